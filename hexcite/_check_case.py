@@ -65,21 +65,21 @@ class CaseCheck:
     _repr_html_ = as_html
 
 
-def check_case(case: Path | str, propose: bool = False) -> CaseCheck:
+def check_case(case: Case | Path | str, propose: bool = False) -> CaseCheck:
     """Validates a case and says how much of its motion box is reachable.
 
     >>> hx.check_case("hexapod").missing["plan"]
     ()
 
     Args:
-        case: built-in name, folder or case file.
+        case: a case; or built-in name, folder or case file.
         propose: whether to look for a motion box that is within reach as a whole.
 
     Raises:
         CaseError: the case is not valid, or the machine cannot stand at home; `problems` has all that was found.
     """
-    loaded = Case.load(str(case))
-    figures = case_figures(loaded, str(find_case(str(case))))
+    loaded = case if isinstance(case, Case) else Case.load(str(case))
+    figures = case_figures(loaded, str(find_case(loaded.origin if isinstance(case, Case) else str(case))))
     reach = reach_of(loaded) if has_motion_box(loaded) else None
     proposal = proposed_box(loaded) if propose else None
     return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach, kept_apart(loaded), proposal)

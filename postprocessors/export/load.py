@@ -140,7 +140,8 @@ def deviations_words(result: Carried, frame: FrameName) -> str:
     body = result.in_frame(frame)
     m, *centre = (body.parameters[name].reported for name in ("m", "xC", "yC", "zC"))
     values = ", ".join(f"{v / MM:.2g}" for v in centre)
-    words = f"deviations: mass {m:.2g} kg, centre of gravity {values} mm along the axes of {body.place.words}"
+    axes = f"the axes of {body.place.words}" if body.place.fixed else body.place.words
+    words = f"deviations: mass {m:.2g} kg, centre of gravity {values} mm along {axes}"
     nearest = result.physical
     if nearest is None or not nearest.moved:
         return words

@@ -208,7 +208,7 @@ def _require_no_frame(target: str, frame: str | None) -> None:
     if frame is not None:
         raise HexciteError(
             problem=f"target {target} has a frame of its own",
-            remedy=f"leave frame out, or choose {', '.join(FRAMED)}",
+            remedy=f"leave {option('frame')} out, or choose {', '.join(FRAMED)}",
             code=Code.CONTRADICTION,
         )
 

@@ -119,6 +119,7 @@ def test_a_case_begins_and_is_checked_the_same_by_both(tmp_path: Path, monkeypat
     checked = hx.check_case("mill")
     assert answer == json.loads(json.dumps({"ok": True, **checked.to_json()}))
     assert "ready for: plan" in repr(checked)
+    assert hx.check_case(hx.load_case("mill")).to_json() == checked.to_json()
     assert "exists" in refused("case", "new", "mill")
 
 

@@ -108,7 +108,8 @@ def select(file: Path, fields: Sequence[Field], form: FileFormat) -> dict[str, i
 
 def without(names: Iterable[str], form: FileFormat, wanted: Sequence[str] = _TYPICAL) -> Phrase:
     """What to say of a file with columns of some names that has none of those, by our names, that are wanted."""
-    columns = listed(map(form.file_name, wanted))
+    names = tuple(names)
+    columns = listed(name for name in map(form.file_name, wanted) if name not in names)  # a clock alone is not enough
     return phrase(
         "none_of_columns",
         "none of the columns {columns}; it has {there}: name them so or map them in [recording.columns], or state "

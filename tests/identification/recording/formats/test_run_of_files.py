@@ -101,8 +101,9 @@ def test_a_run_of_one_file_has_one_stream(tmp_path: Path) -> None:
 
 
 DAMAGES = [
-    "one file twice", "two runs", "no forces", "no pose", "not together", "one without a clock", "no file",
-    "standstills of two sets", "a file of something else", "forces of another sensor", "an unknown accelerometer",
+    "one file twice", "two runs", "a clock and nothing more", "no forces", "no pose", "not together",
+    "one without a clock", "no file", "standstills of two sets", "a file of something else",
+    "forces of another sensor", "an unknown accelerometer",
 ]  # fmt: skip
 
 
@@ -113,6 +114,7 @@ def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
     alone = written(folder, csv(RUN.struts * 1e3, STRUTS), "alone.csv")
     few = written(folder, csv(RUN.forces[:9], BAR_FORCES), "few.csv")
     notes = written(folder, "a,b\n1,2\n", "notes.csv")
+    timed = written(folder, "t_s,u1\n0,1\n1,1\n", "timed.csv")
     wrench = written(folder, "t_s,fx_N\n0,1\n1,1\n", "wrench.csv")
     felt = written(folder, "t_s,ax,ay,az\n0,0,0,1\n1,0,0,1\n", "felt.csv")
     return {
@@ -130,6 +132,7 @@ def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
             r"alone.csv: have no common rows.*; give files of one run",
         ),
         "a file of something else": ([forces, struts, notes], r"notes.csv: none of the columns .*; it has a, b"),
+        "a clock and nothing more": ([forces, timed], r"timed.csv: none of the columns l1_mm, .*; it has t_s, u1"),
         "forces of another sensor": ([forces, struts, wrench], r"wrench.csv: none of .* f1_N; it has t_s, fx_N: name"),
         "an unknown accelerometer": ([forces, struts, felt], r"felt.csv: has readings .*\[recording.accelerometer\]"),
         "no file": ([], r"no recording is named; give the files of one run"),
