@@ -1,5 +1,6 @@
 """Texts for people: numbers to the second digit of their standard deviation, parameters in words, tables, limits."""
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
@@ -58,6 +59,19 @@ def std_text(std: float) -> str:
 def with_deviation(value: float, std: float) -> str:
     """A value with its standard deviation, both rounded to two digits of the deviation."""
     return f"{value_text(value, std)} ± {std_text(std)}"
+
+
+_NAME = re.compile(r"[\[\w-]+([._\]\d:]|\[)")
+"""Beginning of a key of a case, or of the name of a file, a folder or a channel."""
+
+
+def begun(text: str) -> str:
+    """A text as a sentence begins: with a large letter, unless it begins with a name, which stays as it is written.
+
+    >>> begun("half of all runs"), begun("case.toml: is empty")
+    ('Half of all runs', 'case.toml: is empty')
+    """
+    return text if _NAME.match(text) else text[:1].upper() + text[1:]
 
 
 def number(value: float, std: float | None, digits: int) -> str:

@@ -13,10 +13,10 @@ from hexcite.page.refusals import Refusal
 from hexcite.page.values import Entry, Section
 from hexcite.texts import Language, text
 from hexcite.texts import answers as german
-from hexcite.texts.by_code import at_place, begun, limit, parameter, place_words, sentence
+from hexcite.texts.by_code import at_place, limit, parameter, place_words, sentence
 from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
 from identification.recording.formats.reasons import Why
-from identification.texts import parameter_words
+from identification.texts import begun, parameter_words
 
 
 @dataclass(frozen=True)

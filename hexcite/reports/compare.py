@@ -11,7 +11,7 @@ from hexcite.reports.drawing.accelerations import acceleration_charts, measured_
 from hexcite.reports.drawing.chart import Axis, Chart, Points, colour
 from hexcite.reports.drawing.densities import compared_densities
 from hexcite.reports.page import Block, Head, note, page, section, table
-from identification.texts import legible, parameter_words, std_text, value_text
+from identification.texts import begun, legible, parameter_words, std_text, value_text
 from planner.options import FAMILY_WORDS
 
 FIGURES = {
@@ -125,7 +125,7 @@ def comparison_head(comparison: Comparison) -> Head:
     """What the page of a comparison begins with: the recommendation."""
     cases = ", ".join(dict.fromkeys(e.conditions.case.name for e in comparison.entries))
     first = comparison.sentences[0] if comparison.sentences else "Nothing can be recommended"
-    return Head(f"{first[0].upper()}{first[1:]}.", not comparison.warnings, cases)
+    return Head(f"{begun(first)}.", not comparison.warnings, cases)
 
 
 def std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:

@@ -28,7 +28,7 @@ from identification.results.result import Result
 from identification.results.result_rows import physical_rows, pooled_rows, scatter_rows, treatment_rows
 from identification.results.verdicts import accept
 from identification.signals import Residuals
-from identification.texts import budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
+from identification.texts import begun, budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "U (k = 2)", "unit", "95 % from", "to", "std (28)", "std robust")
 
@@ -178,7 +178,7 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
         table(PARAMETER_COLUMNS, rows),
         note(f"± is the larger of std (28), which takes the noise as white, and std robust, which does not.{missing}"),
         *_budget(result),
-        *map(note, [*([] if delay is None else [delay]), *result.notes]),
+        *map(note, [*([] if delay is None else [delay]), *map(begun, result.notes)]),
     )
 
 

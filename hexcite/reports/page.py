@@ -125,9 +125,19 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) 
         return Markup("<tr>{}</tr>").format(Markup("").join(cells))
 
     head = row([explained(column) for column in columns], '<th scope="col"{}>{}</th>')
-    body = (row([cell.replace("kg m^2", "kg m²") for cell in each], "<td{}>{}</td>") for each in rows)
-    text = '<div class="scroll" tabindex="0" role="region" aria-label="table: {}"><table>\n{}\n</table></div>'
-    return Markup(text).format(", ".join(filter(None, columns)), _joined((head, *body)))
+    body = (row([_unit(cell) for cell in each], "<td{}>{}</td>") for each in rows)
+    text = """<div class="scroll" tabindex="0" role="region" aria-label="table: {}"><table>
+<thead>{}</thead>
+<tbody>
+{}
+</tbody>
+</table></div>"""
+    return Markup(text).format(", ".join(filter(None, columns)), head, _joined(body))
+
+
+def _unit(cell: str | Markup) -> str | Markup:
+    """A cell whose unit stays in one line."""
+    return cell.replace("kg m^2", "kg m²").replace("N m", "N\N{NO-BREAK SPACE}m")
 
 
 def _player(scene: Scene) -> Markup:

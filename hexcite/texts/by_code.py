@@ -10,7 +10,7 @@ from cases.base.errors import AT_PLACE
 from cases.base.phrases import PURPOSE, QUOTED
 from hexcite.texts import answers, cases, plan, sentences
 from identification.limits.limit import NAMED, Limit
-from identification.texts import CAUSE, PARAMETER, parameter_words
+from identification.texts import CAUSE, PARAMETER, begun, parameter_words
 from planner.options import FAMILY
 
 
@@ -103,12 +103,3 @@ def plain(value: object, english: str) -> str:
 
 
 _CODE = re.compile("</?code>")
-
-
-_KEY = re.compile(r"[\[\w]+([._\]\d]|\[)")
-"""Beginning of a key of a case, of a file or of a channel."""
-
-
-def begun(text: str) -> str:
-    """A text as a sentence begins: with a large letter, unless it begins with a name, which stays as it is written."""
-    return text if _KEY.match(text) else text[:1].upper() + text[1:]

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from cases.base.errors import legible
@@ -119,11 +120,23 @@ def _draw(axes: Axes, chart: Chart) -> None:
         _set_axis(axes, letter, axis, any(isinstance(series, Heat) for series in chart.series))
 
 
+DECADES = 100.0  # ratio of the ends of a logarithmic axis, beyond which powers of ten are marks enough
+MOST_TICKS = 6  # intervals along an axis, whose numbers stand side by side in half the width of a page
+DOT = 0.03  # share of the width that is left for a dot at an end
+
+
 def _set_axis(axes: Axes, letter: str, axis: Axis, heat: bool) -> None:
     this_axis = axes.xaxis if letter == "x" else axes.yaxis
     this_axis.set_label_text(_plain(axis.title))
     if axis.logarithmic:
         (axes.set_xscale if letter == "x" else axes.set_yscale)("log")
+        low, high = axes.get_xlim() if letter == "x" else axes.get_ylim()
+        steps = (1.0,) if high > DECADES * low else (1.0, 2.0, 5.0)
+        this_axis.set_major_locator(LogLocator(subs=steps))
+        this_axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        this_axis.set_minor_formatter(NullFormatter())
+    elif letter == "x" and not axis.names and not heat:
+        this_axis.set_major_locator(MaxNLocator(MOST_TICKS))
     if axis.names:
         this_axis.set_ticks(list(range(len(axis.names))), labels=[_plain(name) for name in axis.names])
         this_axis.set_tick_params(labelrotation=axis.tilt, labelsize=7)
@@ -131,7 +144,8 @@ def _set_axis(axes: Axes, letter: str, axis: Axis, heat: bool) -> None:
     if axis.ends is not None:
         (axes.set_xlim if letter == "x" else axes.set_ylim)(*axis.ends)
     elif letter == "x" and not axis.names and axes.lines and not heat:
-        axes.margins(x=0.0)
+        dotted = any(line.get_marker() not in ("None", "", None) for line in axes.lines)
+        axes.margins(x=DOT if dotted else 0.0)
 
 
 def machine_picture(scene: Scene) -> str:
