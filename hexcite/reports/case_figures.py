@@ -114,7 +114,7 @@ def _of_the_template(case: Case) -> Iterator[Phrase]:
             "tables_of_template",
             "{tables}: still the values of the built-in case {template}; replace them by your machine's, or delete "
             "tables that it does not need{done}",
-            tables=", ".join(f"[{table}]" for table in whole),
+            tables=", ".join(whole),
             template=template,
             done=done,
         )

@@ -62,7 +62,8 @@ CHECKED = {
     "look_at": "zu prüfen: {doubt}",
     "home_cannot_be": "die Grundstellung ist nicht möglich: {why}",
     "delete_template": '; sobald alle Werte die eigenen sind, die Zeile template = "{template}" löschen',
-    "tables_of_template": "{tables}: noch die Werte der eingebauten Maschine {template}; durch die der eigenen "
+    "tables_of_template": "<code>{tables}</code>: noch die Werte der eingebauten Maschine {template}; durch die der "
+    "eigenen "
     "ersetzen, oder "
     "Tabellen löschen, die sie nicht braucht{done}",
     "keys_of_template": "{keys}: noch die Werte der eingebauten Maschine {template}; durch die der eigenen "
