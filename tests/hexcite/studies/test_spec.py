@@ -104,7 +104,7 @@ def test_the_seed_of_equal_start_values_makes_no_other_cell(hexapod_case: Case) 
             "[gird]\norder = 3\n",
             "gird: is an unknown key; did you mean grid? known keys here are cells, execute, ",
         ),
-        ('[grid]\norder = "five"\n', "'five': input should be a valid integer"),
+        ('[grid]\norder = "five"\n', "'five': is not a whole number"),
         ("[grid]\norder = []\n", "has 0 entries, at least 1"),
         ("[cells]\ntime_limit_s = 0.0\n", "greater than 0"),
         ("[execute]\nnoise_seeds = 0\n", "greater than or equal to 1"),
