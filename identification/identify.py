@@ -184,9 +184,16 @@ def _measuring_time(about: RunRecord, run: Recording, estimate: Estimate) -> flo
 
 
 def _channel_noise(estimate: Estimate, case: Case) -> dict[str, Any]:
-    """Noise of each channel, as entries of a result: measured, stated by the case, and rms of the residuals."""
+    """Noise of each channel, as entries of a result: measured, stated by the case, and rms of the residuals.
+
+    Where it is above the stated one also what noise of the recorded drives makes of it.
+    """
     stated = stated_noise(estimate.samples, estimate.fit, case)
-    return {
+    excess: dict[str, Any] = next(
+        (f.quantity["noise_excess"] for f in estimate.findings if "noise_excess" in f.quantity), {}
+    )
+    by_drives = {"by_drives": excess["by_drives"]} if excess else {}
+    return by_drives | {
         "measured": noise_of_channels(estimate.samples, estimate.fit).tolist(),
         "stated": None if stated is None else stated.tolist(),
         "evaluated": np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)).tolist(),

@@ -176,6 +176,7 @@ def louder_than_stated(
     )
     entry = {"ratios": excess.tolist(), "channel": channel, "noise": float(noise[worst]), "unit": unit}
     entry["stated"] = float(stated[worst])
+    entry["by_drives"] = shaken.tolist()
     if may_remember(fitted.samples, fit, recording.forces[~recording.bad], stated):
         return [
             note(
@@ -201,7 +202,7 @@ def louder_than_stated(
                     shaken=f"{shaken[worst]:.2g}",
                     unit=unit,
                 ),
-                noise_excess=entry | {"by_drives": shaken.tolist()},
+                noise_excess=entry,
             )
         ]
     if far:

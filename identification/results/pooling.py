@@ -400,6 +400,9 @@ def _noise_of_channels(records: Sequence[Any], weights: Array) -> dict[str, Any]
         return {}
     keys = [key for key in ("measured", "evaluated") if all(key in of for of in entries)]
     squares = {key: np.average(np.square([of[key] for of in entries]), axis=0, weights=weights) for key in keys}
+    if any("by_drives" in of for of in entries):  # a run that does not say it has no noise above the stated one
+        by_drives = [of.get("by_drives", np.zeros(len(of["measured"]))) for of in entries]
+        squares["by_drives"] = np.average(np.square(by_drives), axis=0, weights=weights)
     noise = {key: np.sqrt(square).tolist() for key, square in squares.items()}
     return {"channel_noise": {"stated": entries[0].get("stated"), **noise}}
 

@@ -162,7 +162,8 @@ def _noise(result: Result, limits: Acceptance) -> Iterator[Check | str]:
             why = phrase("noise_of_a_run_not_kept", "a run of the mean was identified before results kept it")
         yield phrase("noise_not_judged", "noise: {why}", why=why)
         return
-    ratios = np.array(noise["measured"], dtype=float) / np.array(noise["stated"], dtype=float)
+    by_drives = np.array(noise.get("by_drives", np.zeros(6)), dtype=float)  # of encoders, which is no sensor's fault
+    ratios = np.array(noise["measured"], dtype=float) / np.hypot(np.array(noise["stated"], dtype=float), by_drives)
     worst = int(np.argmax(ratios))
     name = f"noise of channel {worst + 1} over the stated one"
     yield Check(name, float(ratios[worst]), limits.noise_times, "", code="noise", of=str(worst + 1))

@@ -10,9 +10,11 @@ from cases.base.errors import IdentificationError
 from identification.findings.causes.hypothesis import AS_RECORDED
 from identification.findings.causes.instants import instants_of
 from identification.findings.causes.trials import left_by
-from identification.identify import default_model, estimate_parameters
+from identification.identify import default_model, estimate_parameters, identify
 from identification.model.model import identification_model
 from identification.recording.recording import Recording
+from identification.results.pooling import pool
+from identification.results.verdicts import accept
 from tests.helpers import tells
 from tests.mistaken.machines import run
 
@@ -37,6 +39,19 @@ def test_it_is_counted_where_residuals_are_judged() -> None:
     assert not any("Do not use the result" in warning for warning in found.warnings)
 
 
+@pytest.mark.repeats
+def test_a_sound_run_is_accepted_with_it_and_a_mean_of_two_as_well() -> None:
+    results = [identify(noisy(seed), SOUND.case) for seed in range(2)]
+    for result in (*results, pool(results)):
+        (check,) = [check for check in accept(result, SOUND.case).checks if check.code == "noise"]
+        assert check.value < 1.3
+        assert check.passed
+        noise = result.record.channel_noise
+        assert noise is not None
+        assert max(np.array(noise["measured"]) / np.array(noise["stated"])) > 1.6
+
+
+@pytest.mark.repeats
 def test_what_else_is_wrong_is_found_beside_it() -> None:
     turn = Rotation.from_euler("z", 40.0, degrees=True).as_matrix()
     turned = noisy(1).forces.reshape(-1, 2, 3) @ turn
