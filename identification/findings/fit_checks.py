@@ -175,7 +175,8 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
         mass=f"{mass:.3g}",
         expected=f"{expected:.3g}",
     )
-    return [warning(Kind.CASE, sentence)]
+    # what is mounted beside the nominal body makes it heavier; a wrench that is compensated, or read too small, lighter
+    return [warning(Kind.CASE, sentence, counted=mass > expected)]
 
 
 def _no_body(model: Model, fit: Fit) -> list[Finding]:

@@ -1,5 +1,6 @@
 """What speaks against a run is found and named with its rows: sensors, wiring, contact, motion without clock."""
 
+import copy
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,7 +11,7 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.base.errors import IdentificationError, RecordingError
-from cases.schema import load_case
+from cases.schema import Case, load_case
 from identification.findings import contact
 from identification.findings.contact import find_contacts
 from identification.identify import estimate_parameters
@@ -24,6 +25,8 @@ from identification.simulate import simulate_recording
 from tests.helpers import HOME, Harmonic, few, one_line, seeds, simulated, tells
 from tests.identification.leaping import moves_without_jerk_limit
 from tests.identification.moving_run import MODEL
+from tests.mistaken.machines import machine
+from tests.mistaken.machines import run as of_machine
 from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
@@ -100,6 +103,17 @@ def test_a_contact_of_up_to_half_the_run_is_warned_of_and_makes_deviations_large
     assert "a long contact" in found.warnings[0]
     mass = found.physical["m"]
     assert abs(mass.value - 31.83) < 4.5 * mass.reported
+
+
+@pytest.mark.parametrize(("nominal", "doubted"), [(1.2, False), (6.0, True)])
+def test_a_load_that_was_mounted_does_not_doubt_the_values_and_a_light_one_does(nominal: float, doubted: bool) -> None:
+    """A payload makes the body heavier than the case's; a compensated wrench makes it lighter."""
+    sound, tables = of_machine("ur10_wrist", 0), copy.deepcopy(dict(machine("ur10_wrist").tables))
+    tables["nominal"]["mass_kg"] = nominal
+    case = Case.model_validate(tables)
+    (finding,) = [f for f in estimate_parameters(sound.recording, case).findings if "nominal.mass_kg" in f.sentence]
+    assert finding.severity == "warning"
+    assert finding.doubts_values == doubted
 
 
 @pytest.mark.repeats
