@@ -43,7 +43,8 @@ def identifiability(
     """
     machine, number, evaluate, _ = _looked_at(thing, case)
     chosen = identification_model(machine, number if model is None else model)
-    return analysed(evaluate(chosen), chosen.names, chosen.number)
+    with _one_thread():
+        return analysed(evaluate(chosen), chosen.names, chosen.number)
 
 
 def identifiability_of_models(
@@ -51,8 +52,13 @@ def identifiability_of_models(
 ) -> tuple[Identifiability, ...]:
     """The same of all models that the sensors can have, by number; errors as of `identifiability`."""
     machine, _, evaluate, known = _looked_at(thing, case)
-    with threadpool_limits(limits=1, user_api="blas"):  # small matrices: a second thread would wait for the first
+    with _one_thread():
         return of_models({number: model for number, model in models_of(machine).items() if known(model)}, evaluate)
+
+
+def _one_thread() -> threadpool_limits:
+    """One thread for linear algebra: of matrices so small a second one would wait for the first."""
+    return threadpool_limits(limits=1, user_api="blas")
 
 
 def _looked_at(
