@@ -101,6 +101,9 @@ OTHERWISE = 60  # iterations by A, K and N, which begin from a D-optimal motion
 # Far from an optimum the barrier adapts (None) and second derivatives are convex: better optima, sooner.
 _NEAR: Barrier = (1e-4, 0.3, 1.05)
 _AT_HAND: Barrier = (1e-5, 0.2, 1.5)
+# Iterations at most, with convex second derivatives, that a refinement of many unknowns begins with. Where exploring
+# ended far from the optimum (splines of a seven-joint arm) exact ones take a hundred more, each half as long again.
+APPROACH = 80
 
 
 def _stages(task: Task) -> Iterator[tuple[Criterion, int, int]]:
@@ -239,17 +242,32 @@ class _Run:
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""
         task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
-        return self.solve(unknowns, iterations, _NEAR if task.refine or task.of_moves else None)
+        near = task.refine or task.of_moves
+        interior = task.solver in (None, Solver.IPOPT)
+        if task.refine and not task.of_moves and not self.few and interior and halvings == 0:
+            unknowns = self.solve(unknowns, APPROACH, _NEAR, convex=True)
+            self.program = self.program.with_rows_above(unknowns, NEAR)
+            return self.solve(unknowns, iterations, _AT_HAND)
+        return self.solve(unknowns, iterations, _NEAR if near else None)
 
-    def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None) -> Array:
-        """Runs the solver once; where the start is to end, its functions are not even built: that takes seconds."""
+    @property
+    def few(self) -> bool:
+        """Whether the program has few unknowns."""
+        return self.program.unknowns <= FEW
+
+    def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
+        """Runs the solver once; where the start is to end, its functions are not even built: that takes seconds.
+
+        Args:
+            convex: whether second derivatives are convex where they would be exact otherwise.
+        """
         if self.stopped:
             self.status, self.converged = SolverStatus.STOPPED, False
             return unknowns
-        task, few = self.task, self.program.unknowns <= FEW
+        task = self.task
         # near an optimum exact curvature converges where convex one ends early; of few unknowns that finds no more
-        program = replace(self.program, convex=not (task.of_moves or (task.refine and not few)))
-        usual = Solver.ACTIVE_SET if few and not (task.of_moves or task.refine) else Solver.IPOPT
+        program = replace(self.program, convex=convex or not (task.of_moves or (task.refine and not self.few)))
+        usual = Solver.ACTIVE_SET if self.few and not (task.of_moves or task.refine) else Solver.IPOPT
         solver = task.solver or usual
         solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver)
         self.iterations += count
@@ -268,8 +286,9 @@ class _Run:
             satisfied = max(shares) <= 1.0 - UNUSED_SHARE + SHRINKING and self.program.outside(unknowns) < SLIPPED
             if self.stopped or satisfied:
                 break
+            between = self.program.worst(unknowns) < 1.0 - UNUSED_SHARE  # at no instant that could have a further row
             self.program = self.program.with_rows_above(unknowns, NEAR)
-            if number > 0:
+            if number > 0 or between:
                 self.program = self.program.tightened(shares, 1.0 - UNUSED_SHARE - SLIPPED)
             unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
         return np.asarray(np.clip(unknowns, self.program.lower, self.program.upper))  # phases that are absent last 0

@@ -203,8 +203,8 @@ def test_payloads_are_one_number_where_something_is_known():
 @pytest.mark.repeats
 def test_the_command_takes_folders(tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-    call("run", _manual(tmp_path), "--case", "hexapod", "--on", "virtual", "-o", "run")
-    call("identify", "run", "-o", "result")
+    call("run", _manual(tmp_path), "--case", "hexapod", "--on", "virtual", "-o", "run", "--json").json()
+    call("identify", "run", "-o", "result", "--json").json()
     answer = call("plan", "hexapod", "--family", "manual", "--known", "result", "-o", "again", "--json").json()
     assert answer["known"]["results"] == ["result"]
     assert answer["known"]["after"]["std"]["m"] == pytest.approx(answer["predicted_std"]["m"] / np.sqrt(2.0), rel=0.2)
@@ -212,6 +212,6 @@ def test_the_command_takes_folders(tmp_path: Path, cache: Path, monkeypatch: pyt
 
 
 def _manual(folder: Path) -> Path:
-    call("plan", "hexapod", "--family", "manual", "-o", folder / "manual")
-    call("post", folder / "manual", "--dialect", "setpoints", "-o", folder / "manual.csv")
+    call("plan", "hexapod", "--family", "manual", "-o", folder / "manual", "--json").json()
+    call("post", folder / "manual", "--dialect", "setpoints", "-o", folder / "manual.csv", "--json").json()
     return folder / "manual.csv"
