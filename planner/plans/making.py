@@ -150,6 +150,16 @@ def _promising(results: Sequence[Start | Failed]) -> list[Start]:
     return sorted((s for s in starts if s.record.seed not in refined), key=lambda s: -s.promise)
 
 
+def _best_when_they_came(results: Sequence[Start | Failed], count: int) -> list[Start]:
+    """Explorations than which fewer than `count` of those before them were better, the most promising first.
+
+    What is refined of some starts is refined of more of them too, so that more starts never give less.
+    """
+    starts = _without_failures(results)
+    chosen = [s for k, s in enumerate(starts) if sum(other.promise > s.promise for other in starts[:k]) < count]
+    return sorted(chosen, key=lambda s: -s.promise)
+
+
 class _Round(NamedTuple):
     """What a round of a search came to."""
 
@@ -189,7 +199,8 @@ class _Rounds:
         results, early = self.run(schedule, self.listener)
         late = schedule.late(results)
         ending = max(time.monotonic() - schedule.until, 0.0) if late else 0.0
-        promising = _promising([*before, *results])[: request.family.refinements(request.criterion)]
+        count = request.family.refinements(request.criterion)
+        promising = _best_when_they_came(results, count) if exactly else _promising([*before, *results])[:count]
         refinements = [self._task(s.family, s.record.seed, s.begin) for s in promising]
         early = early and not late  # the end of its time leaves some to refine, or to go on
         if refinements and not early and self.until - time.monotonic() > ending:

@@ -1,6 +1,7 @@
 """More room, looser limits and more starts never give a worse plan, within 1 % of an efficiency."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,11 +9,13 @@ import pytest
 from cases.schema import Case
 from identification.estimation.criteria import reference_scaling
 from identification.model.model import identification_model
-from planner.families.settings import family_class
+from planner.families.settings import Spline, family_class
 from planner.noise import mean_information
-from planner.plans.making import search
+from planner.plans.making import search, seeds_of
 from planner.request import Request
-from planner.search.parallel import run_here, silent
+from planner.search.parallel import Listener, Outcome, Schedule, run_here, silent
+from planner.search.record import Failed, SolverStatus, StartRecord
+from planner.search.solving import Start
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.postprocessors.changed_case import changed
@@ -72,6 +75,31 @@ def test_looser_limits_never_give_less(family: str):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_more_starts_never_give_less(family: str):
     not_worse([logdet(family, starts=starts) for starts in (1, 2, 3)])
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_what_is_refined_of_some_starts_is_refined_of_more(seed: int):
+    """Explorations that promise much may come to less: none that fewer starts refined is left out."""
+    promises = np.random.default_rng(seed).normal(-9.0, 0.1, 6)
+    settings, every = Spline(knots=20), seeds_of(0, len(promises))
+    (family,) = settings.families(SMALL, 2.0)
+    unknowns = family.start(np.random.default_rng(1), lambda unknowns: 9.0 * float(np.abs(unknowns).max()))
+    refined = list[set[int]]()
+
+    def run(schedule: Schedule, listener: Listener) -> Outcome:
+        results = list[Start | Failed]()
+        while not schedule.enough(results) and (task := schedule.task(len(results), results)) is not None:
+            promise = float(promises[every.index(task.seed)])
+            refined[-1].update([task.seed] if task.refine else [])
+            record = StartRecord(task.seed, task.refine, promise, promise, SolverStatus.SETTLED, True, 9, 1.0)
+            results.append(Start(record, unknowns, family, 1.0, unknowns, promise))
+        return results, False
+
+    for starts in range(1, len(promises) + 1):
+        refined.append(set())
+        search(Request(settings, model=MODEL, duration=2.0, starts=starts), SMALL, silent, run)
+        assert every[int(np.argmax(promises[:starts]))] in refined[-1]
+    assert all(fewer <= more for fewer, more in pairwise(refined))
 
 
 @pytest.mark.slow
