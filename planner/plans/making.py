@@ -151,12 +151,12 @@ def _promising(results: Sequence[Start | Failed]) -> list[Start]:
 
 
 def _best_when_they_came(results: Sequence[Start | Failed], count: int) -> list[Start]:
-    """Explorations than which fewer than `count` of those before them were better, the most promising first.
+    """Explorations than which fewer than `count` of those before them were as good, the most promising first.
 
     What is refined of some starts is refined of more of them too, so that more starts never give less.
     """
     starts = _without_failures(results)
-    chosen = [s for k, s in enumerate(starts) if sum(other.promise > s.promise for other in starts[:k]) < count]
+    chosen = [s for k, s in enumerate(starts) if sum(other.promise >= s.promise for other in starts[:k]) < count]
     return sorted(chosen, key=lambda s: -s.promise)
 
 
