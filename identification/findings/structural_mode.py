@@ -1,7 +1,8 @@
 """A structural mode between drives and sensors that rings after moves: its frequency, damping, and what it biases.
 
-Behind a mode of angular frequency w the load accelerates as a + a'' / w^2 does at far lower frequencies with opposite
-sign of the bend, a - a'' / w^2 taken from the drives: an undamped mode amplifies what drives do by 1 / (1 - (s / w)^2).
+Behind a mode of angular frequency w a load does what drives do at the frequency s by 1 / (1 - (s / w)^2) times as much,
+if hardly damped: below w it accelerates as a - a'' / w^2 + a'''' / w^4. A run estimates the second term as a sharpening
+of its forces, where that is clear; the third biases it, and so does the second elsewhere.
 What the sensors read and the motion behind a wider filter than that of the fit does not explain shows it: a peak of
 the spectrum that comes and goes with the motion, as a hum of the mains does not. The fit's own filter would leave what
 moves themselves hold above its band, which has such peaks too.
@@ -102,9 +103,9 @@ def _widely(run: Run) -> Run:
 
 def sharpened(mode: Mode, left_out: LeftOut) -> Array:
     """What a mode adds to the forces of a fit in the fit's motion, shape (n, 6)."""
-    load = left_out.load
-    bent = left_out.derivative(load.twist_rate, 2)
-    return left_out.change(replace(load, twist_rate=load.twist_rate - STEP * mode.sharpening * bent))
+    load, by = left_out.load, mode.sharpening
+    bent, twice = (left_out.derivative(load.twist_rate, order) for order in (2, 4))
+    return left_out.change(replace(load, twist_rate=load.twist_rate + STEP * (by**2 * twice - by * bent)))
 
 
 def biased_by(column: Array, rest: Remainder, basis: Array) -> Array:

@@ -266,7 +266,7 @@ def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -
     if np.abs(np.diag(triangle)).min() == 0.0:  # nothing bends, as in a standstill
         return False
     std = fit.white_noise * np.sqrt(share / (run.filter.stride * information))
-    smoothing = float(triangle[-1, -1] / triangle[-1, -2])
+    smoothing = abs(float(triangle[-1, -1] / triangle[-1, -2]))  # forces may be sharpened, as by a structural mode
     if std > SAMPLED * run.filter.step**2 and smoothing < CLEAR * std:
         return False
     assert part.recording.drives is not None
