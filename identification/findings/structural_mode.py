@@ -1,8 +1,8 @@
 """A structural mode between drives and sensors that rings after moves: its frequency, damping, and what it biases.
 
 Behind a mode of angular frequency w a load does what drives do at the frequency s by 1 / (1 - (s / w)^2) times as much,
-if hardly damped: below w it accelerates as a - a'' / w^2 + a'''' / w^4. A run estimates the second term as a sharpening
-of its forces, where that is clear; the third biases it, and so does the second elsewhere.
+if hardly damped: far below w it accelerates as a - a'' / w^2. A run estimates that as a sharpening of its forces, where
+it is clear; elsewhere it biases the estimate, and so does what the sharpening differs by from 1 / w^2.
 What the sensors read and the motion behind a wider filter than that of the fit does not explain shows it: a peak of
 the spectrum that comes and goes with the motion, as a hum of the mains does not. The fit's own filter would leave what
 moves themselves hold above its band, which has such peaks too.
@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.estimation.alternatives import Remainder
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.left_out import STEP, LeftOut
-from identification.samples.moving import Run
+from identification.samples.moving import SMOOTHED, Run
 from identification.samples.samples import Fitted
 from identification.signals import white_noise
 from identification.texts import parameter_phrase
@@ -103,9 +103,23 @@ def _widely(run: Run) -> Run:
 
 def sharpened(mode: Mode, left_out: LeftOut) -> Array:
     """What a mode adds to the forces of a fit in the fit's motion, shape (n, 6)."""
-    load, by = left_out.load, mode.sharpening
-    bent, twice = (left_out.derivative(load.twist_rate, order) for order in (2, 4))
-    return left_out.change(replace(load, twist_rate=load.twist_rate + STEP * (by**2 * twice - by * bent)))
+    load = left_out.load
+    bent = left_out.derivative(load.twist_rate, 2)
+    return left_out.change(replace(load, twist_rate=load.twist_rate - STEP * mode.sharpening * bent))
+
+
+def by_other_sharpening(mode: Mode, fitted: Fitted) -> Array:
+    """By how much the values of a fit are off where it found another sharpening than that of a mode, shape (v,).
+
+    The nearer a mode is to the band of the evaluation, the more of its response follows higher derivatives of the
+    forces, of which the second, which is estimated, takes up a part. Zero where no sharpening was estimated.
+    """
+    fit, run = fitted.fit, fitted.samples
+    if not isinstance(run, Run) or run.nuisances != SMOOTHED:
+        return np.zeros(len(fit.values))
+    place = len(run.model.parameters)
+    along = fit.covariance[:, place] / fit.covariance[place, place]
+    return np.asarray(along * (fit.values[place] + mode.sharpening))
 
 
 def biased_by(column: Array, rest: Remainder, basis: Array) -> Array:

@@ -24,7 +24,7 @@ from identification.findings.effects import alternatives_of, couplings_of
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
-from identification.findings.structural_mode import Ringing, biased_by, mode_of, sharpened
+from identification.findings.structural_mode import Ringing, biased_by, by_other_sharpening, mode_of, sharpened
 from identification.findings.told import Told
 from identification.findings.tolerances import Share, shares_of, without_tolerances
 from identification.model.parameters import offset_columns
@@ -101,7 +101,7 @@ def systematic_of(
     ringing = None
     if mode is not None:  # before all that follows derivatives of the forces, which would take it over
         column = left_out.weighted(sharpened(mode, left_out)[:, :, None])
-        ringing = Ringing(mode, biased_by(column, rest, basis))
+        ringing = Ringing(mode, biased_by(column, rest, basis) + by_other_sharpening(mode, fitted))
         rest = rest.beside(column)
     alternatives = list(alternatives_of(left_out))
     if odd is not None:
