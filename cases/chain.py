@@ -23,7 +23,7 @@ LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
 
 # Not what YAML takes for a number, such as 1e5 or 0x1F: programs of ROS 2 hold names.
 JOINT_NAME = re.compile(r"(?=[\w./-]*[^\W\d_])(?!0[xo][0-9a-fA-F_]*$|[0-9._]+e[0-9]+$)\w[\w./-]{0,199}")
-JOINT_NAME_WORDS = "names have letters, digits and any of _ . / -, with a letter among them"
+JOINT_NAME_WORDS = phrase("joint_names", "names have letters, digits and any of _ . / -, with a letter among them")
 
 
 class Joint(Frame):
@@ -33,7 +33,7 @@ class Joint(Frame):
     `position_mm`. Evaluation asks for neither ends nor home; limits of motion go with both.
     """
 
-    name: Annotated[str, spelled(JOINT_NAME.pattern, f"a name: {JOINT_NAME_WORDS}")]
+    name: Annotated[str, spelled(JOINT_NAME.pattern, phrase("joint_name", "a name: {words}", words=JOINT_NAME_WORDS))]
     """Name of the joint, as in ROS; messages use it."""
     kind: Literal["revolute", "continuous", "prismatic"]
     """Turns between ends (revolute), turns without ends (continuous), or slides (prismatic)."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.base.phrases import NOTHING, Phrase, enumerated, phrase
+from cases.base.phrases import NOTHING, Phrase, as_it_is, enumerated, phrase
 from cases.base.units import DEG, Array
 from cases.tables import own_units
 
@@ -221,7 +221,7 @@ def _accusation(hypothesis: _Hypothesis, stated: Mapping[str, Stated], relation:
         values = phrase("beside", "{values} beside {others}", values=values, others=enumerated("comma", others))
     corrected = (value.corrected(hypothesis.factors[value.key]) for value in accused)
     written = {str(text): text if isinstance(text, Phrase) else re.sub(r"\[\d+\]", "", text) for text in corrected}
-    keys: Phrase = enumerated("semicolon", [written[text] for text in sorted(written)[:SHOWN]])
+    keys: Phrase = enumerated("semicolon", [as_it_is(written[text]) for text in sorted(written)[:SHOWN]])
     if len(written) > SHOWN:
         keys = phrase("and_so_on", "{keys} and so on", keys=keys)
     units = [

@@ -35,14 +35,17 @@ class UrScript(Part):
     table: ClassVar = "urscript"
 
     program_name: Annotated[
-        str, spelled(r"[A-Za-z][A-Za-z0-9_]{0,30}", "a name: letters, digits and _, a letter first")
+        str,
+        spelled(r"[A-Za-z][A-Za-z0-9_]{0,30}", phrase("a_ros_name", "a name: letters, digits and _, a letter first")),
     ]
     """Name of the function that the program is: letters, digits and underscores."""
     trigger_output: Annotated[int, Field(strict=True, ge=0, le=7)]
     """Standard digital output that is on while the excitation runs; RTDE records it with the robot's clock."""
 
 
-RosName = Annotated[str, spelled(r"/?[A-Za-z_][A-Za-z0-9_]*(?:/[A-Za-z_][A-Za-z0-9_]*)*", "a name of ROS")]
+RosName = Annotated[
+    str, spelled(r"/?[A-Za-z_][A-Za-z0-9_]*(?:/[A-Za-z_][A-Za-z0-9_]*)*", phrase("name_of_ros", "a name of ROS"))
+]
 
 
 class Ros2(Part):
@@ -113,8 +116,13 @@ def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
     return words
 
 
-Word = Annotated[str, spelled(r"[A-Z]{1,7}[0-9]?", "a word: one to seven capitals, a digit may follow")]
-Call = Annotated[str, spelled(r"[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?", "a command such as TRAORI or TRAORI(1)")]
+Word = Annotated[
+    str, spelled(r"[A-Z]{1,7}[0-9]?", phrase("a_word", "a word: one to seven capitals, a digit may follow"))
+]
+Call = Annotated[
+    str,
+    spelled(r"[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?", phrase("a_command", "a command such as TRAORI or TRAORI(1)")),
+]
 AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
 
 
@@ -134,7 +142,9 @@ class SinumerikAxes(BlockMemory):
 
     table: ClassVar = "sinumerik"
 
-    program_name: Annotated[str, spelled(SINUMERIK_NAME, "a name of a SINUMERIK program such as EXCITE_1")]
+    program_name: Annotated[
+        str, spelled(SINUMERIK_NAME, phrase("name_of_sinumerik", "a name of a SINUMERIK program such as EXCITE_1"))
+    ]
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
@@ -199,7 +209,9 @@ class TwinCatAxes(BlockMemory):
 
     table: ClassVar = "twincat"
 
-    program_name: Annotated[str, spelled(TWINCAT_NAME, "a name of a TwinCAT program such as EXCITE_1")]
+    program_name: Annotated[
+        str, spelled(TWINCAT_NAME, phrase("name_of_twincat", "a name of a TwinCAT program such as EXCITE_1"))
+    ]
     """Name in the `%` line."""
     slope: Literal["STEP", "TRAPEZ"]
     """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""

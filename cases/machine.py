@@ -207,8 +207,8 @@ class HexapodMachine(Part):
         require_spanning(
             arms,
             self.home.vector[:3] + arms - self.base.points,
-            "the struts do not hold the platform at home: it is singular",
-            "joints of base and platform must not form similar hexagons",
+            phrase("struts_not_spanning", "the struts do not hold the platform at home: it is singular"),
+            phrase("similar_hexagons", "joints of base and platform must not form similar hexagons"),
         )
         return self
 

@@ -76,7 +76,9 @@ _ORTHOGONALITY = (
 TICKS = TIMES  # units of time stamps [s]
 
 
-Separator = Annotated[str, spelled(r"[^\w\"'.+\-\r\n]", "one character that no number has, such as a semicolon")]
+Separator = Annotated[
+    str, spelled(r"[^\w\"'.+\-\r\n]", phrase("one_character", "one character that no number has, such as a semicolon"))
+]
 Count = Annotated[int, Field(strict=True, ge=0)]
 FormatName = Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace", "lvm"]
 StreamName = Literal["struts", "pose", "rotation", "accelerometer", "forces"]

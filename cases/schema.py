@@ -64,7 +64,9 @@ class Heading(Part):
 
     schema_version: Literal[1]
     """Version of this description."""
-    name: Annotated[str, spelled(r"[a-z][a-z0-9_]*", "a name: small letters, digits and _, a letter first")]
+    name: Annotated[
+        str, spelled(r"[a-z][a-z0-9_]*", phrase("a_small_name", "a name: small letters, digits and _, a letter first"))
+    ]
     """Small letters, digits and underscores."""
     title: Text
     """What it is, in a line."""

@@ -122,13 +122,13 @@ _OWN = {"mm": MM, "um": UM, "deg": DEG, "ms": MS}
 _ENDING = re.compile(r"_(mm|um|deg|ms)(_s\d?)?$")
 
 
-def spelled(pattern: str, words: str) -> AfterValidator:
+def spelled(pattern: str, words: Phrase) -> AfterValidator:
     """A check of the spelling of a text, by a pattern and in words for people."""
 
     def checked(text: str) -> str:
         if re.fullmatch(pattern, text) is None:
             raise ValueError(
-                phrase("not_spelled", "{value}: is not {words}; correct the value", value=repr(text), words=said(words))
+                phrase("not_spelled", "{value}: is not {words}; correct the value", value=repr(text), words=words)
             )
         return text
 
@@ -389,6 +389,8 @@ def _tag(part: int | str) -> str:
 
 _SHAPES = {
     "float_type": phrase("a_number", "a number, without quotes and with a point"),
+    "finite_number": phrase("a_finite_number", "a finite number"),
+    "string_type": phrase("a_text", "a text, in quotes"),
     "int_type": phrase("a_whole_number", "a whole number"),
     "tuple_type": phrase("a_list", "a list"),
 }

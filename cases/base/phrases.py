@@ -70,12 +70,21 @@ def phrase(code: str, english: str, **values: object) -> Phrase:
 
 
 def enumerated(sign: Sign, parts: Sequence[str]) -> Phrase:
-    """Several texts behind each other; the one where it is one."""
+    """Several texts behind each other; the one where it is one.
+
+    What is no phrase is a name or a value, but for parts that are sentences, behind semicolons.
+    """
+    as_part = said if sign in ("semicolon", "problems") else as_it_is
     if len(parts) == 1:
-        return said(parts[0])
+        return as_part(parts[0])
     result = Phrase(SIGNS[sign].join(parts))
-    result.code, result.values = sign, {"parts": [said(part) for part in parts]}
+    result.code, result.values = sign, {"parts": [as_part(part) for part in parts]}
     return result
+
+
+def as_it_is(text: str) -> Phrase:
+    """A phrase as it is, and any other text as a name or value that is the same in all languages."""
+    return text if isinstance(text, Phrase) else phrase("as_it_is", "{text}", text=text)
 
 
 def said(text: str) -> Phrase:

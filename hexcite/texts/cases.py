@@ -78,6 +78,21 @@ CHECKED = {
 """Remarks of a check."""
 
 WRONG = {
+    "as_it_is": "{text}",
+    "joint_names": "Namen haben Buchstaben, Ziffern und _ . / -, darunter einen Buchstaben",
+    "struts_not_spanning": "die Streben halten die Plattform in der Grundstellung nicht: sie ist singulär",
+    "similar_hexagons": "die Gelenke von Basis und Plattform dürfen keine ähnlichen Sechsecke bilden",
+    "joint_name": "ein Name: {words}",
+    "a_ros_name": "ein Name: Buchstaben, Ziffern und _, ein Buchstabe zuerst",
+    "name_of_ros": "ein Name von ROS",
+    "a_word": "ein Wort: ein bis sieben Großbuchstaben, eine Ziffer darf folgen",
+    "a_command": "ein Befehl wie TRAORI oder TRAORI(1)",
+    "name_of_sinumerik": "ein Name eines SINUMERIK-Programms, etwa EXCITE_1",
+    "name_of_twincat": "ein Name eines TwinCAT-Programms, etwa EXCITE_1",
+    "one_character": "ein Zeichen, das keine Zahl hat, etwa ein Semikolon",
+    "a_small_name": "ein Name: Kleinbuchstaben, Ziffern und _, ein Buchstabe zuerst",
+    "a_finite_number": "eine endliche Zahl",
+    "a_text": "ein Text, in Anführungszeichen",
     "named": "{name}: {problem}",
     "not_three_angles": "{words} nennen keine drei Winkel; die von Roll, Nick, Gier schreiben: A2, B2, C2",
     "m_taken": "M{number} bedeutet der Steuerung etwas anderes; eine freie M-Funktion wählen",

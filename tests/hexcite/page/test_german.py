@@ -12,8 +12,9 @@ from string import Formatter
 import pytest
 from starlette.testclient import TestClient
 
-from cases.base.errors import Code, IdentificationError
+from cases.base.errors import CaseError, Code, IdentificationError
 from cases.base.phrases import SIGNS, phrase, said
+from cases.schema import load_case
 from cases.tables import built_in_cases
 from cases.tolerances import KINDS, PRIORS
 from hexcite.page import values
@@ -34,6 +35,8 @@ from identification.limits.limit import LimitKind, OwnMove, Status
 from identification.recording.formats.reasons import Why, because
 from identification.results.verdicts import accept
 from identification.texts import _BODY, _WORDS
+from tests.cases.editing import edited
+from tests.cases.test_bad_cases import MISTAKES
 from tests.hexcite.command_line import call
 
 from .conftest import HOST, OWN, TOKEN
@@ -246,3 +249,24 @@ def test_a_refusal_of_the_page_is_a_text_and_one_of_the_library_a_quotation():
     assert GERMAN.refused(Unfit("no_choice", name="plan", text="x")) == "plan: &#39;x&#39; steht nicht zur Wahl"
     assert GERMAN.refused(Unfit.of(["it is <b>"])) == '<q lang="en">it is &lt;b&gt;</q>'
     assert str(Unfit("no_choice", name="plan", text="x")) == "plan: 'x' is not a choice"
+
+
+def quotations_in(page: str) -> set[str]:
+    """What a page quotes in English."""
+    return set(re.findall(r'<q lang="en">(.*?)</q>', page, re.DOTALL))
+
+
+def test_stages_quote_only_what_was_said_without_a_code(answered: TestClient):
+    stages = ("machine", "plan", "program", "data", "data?recording=rec", "result", "use")
+    quoted = set[str]().union(*(quotations_in(answered.get(f"/m/+mill/{stage}").text) for stage in stages))
+    assert quoted == {"the limit of this machine is reached"}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_what_a_case_cannot_be_is_said_in_german(mistake: str, tmp_path: Path):
+    old, new, _, _ = MISTAKES[mistake]
+    with pytest.raises(CaseError) as caught:
+        load_case(str(edited(tmp_path, old, new)))
+    sentences = caught.value.sentences
+    assert tuple(map(str, sentences)) == caught.value.lines
+    assert [said for said in map(GERMAN.quoted, sentences) if "<q" in said] == []
