@@ -372,3 +372,22 @@ def test_limits_stand_in_the_order_of_what_a_reader_asks():
 def test_words_of_the_field_are_explained_and_html_is_not_let_in():
     assert explained("s0 of <b>") == Markup(f'<abbr title="{TERMS["s0"]}" tabindex="0">s0</abbr> of &lt;b&gt;')
     assert explained("ms0") == Markup("ms0")
+
+
+def test_the_head_of_a_table_repeats_on_paper_and_units_stay_in_a_line():
+    html = str(table(("parameter", "unit"), [("k1", "N m/m")]))
+    assert html.index("<thead>") < html.index("parameter</th>") < html.index("</thead>") < html.index("<tbody>")
+    assert "N\N{NO-BREAK SPACE}m/m</td>" in html
+
+
+@pytest.mark.parametrize(("last", "marks"), [(5.0, {1.0, 2.0, 5.0}), (5000.0, {1.0, 10.0, 100.0, 1000.0})])
+def test_a_logarithmic_axis_on_paper_has_plain_numbers(last: float, marks: set[float]):
+    from hexcite.reports.drawing.still import drawn
+
+    values = np.array([1.0, last])
+    chart = Chart("line", "Numbers.", (Line(np.arange(2.0), values, "a", "#000000"),), y=Axis(logarithmic=True))
+    figure = drawn([chart])
+    figure.canvas.draw()
+    axis = figure.axes[0].yaxis
+    shown = {label.get_text() for label in axis.get_ticklabels() if 1.0 <= label.get_position()[1] <= last}
+    assert shown == {f"{mark:g}" for mark in marks}
