@@ -1,6 +1,8 @@
 """Forces and motion by clocks that are further apart than any filter delays: two computers, or a slow line."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,7 +10,7 @@ from cases.base.phrases import phrase
 from cases.base.units import MS, Array
 from cases.schema import Case
 from identification.estimation.fit import column_scale
-from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis
+from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis, Trial
 from identification.findings.causes.instants import Instants
 from identification.findings.causes.leaps import cut
 from identification.findings.causes.trials import regressors_of
@@ -18,25 +20,35 @@ from identification.samples.samples import MOST_DELAY
 
 LATEST = 2.0  # [s] that forces are looked for before and after the motion
 COARSE, FINE = 0.02, 1e-3  # [s] between places at which they are looked for
+CLEARER = 0.25  # of what the motion as recorded leaves of the forces' squares, below which another one counts
 SIMILAR = 1.1  # ratio of what two places leave, of which the one with the least shift counts: motions may repeat
+SAME_COLUMN = 1e-5  # of the strongest direction of what a motion makes, below which columns are sums of others
 RISING = 0.025  # [s] over which forces are averaged: as usual filters do, and for the noise
 
 
-def late_forces(instants: Instants, recording: Recording, case: Case) -> Hypothesis | None:
+def late_forces(
+    instants: Instants, recording: Recording, case: Case, others: Sequence[Hypothesis] = ()
+) -> Hypothesis | None:
     """Forces recorded later, or earlier, than the motion by more than any delay; None where no such time fits better.
 
     The time is found to about a millisecond; what is left of it is a delay as any other.
+
+    Args:
+        others: what may be wrong with the motion as well, one at a time.
     """
     if recording.t is None or instants.t is None or instants.step is None:
         return None
     if recording.others and (recording.drives is not None or recording.rotations is not None):
         return None  # which of the streams is late is not to be told from forces alone
     wide = np.arange(-LATEST, LATEST + COARSE / 2, COARSE)
-    late = _nearest(instants, recording, wide)
-    if late is None or abs(late) < MOST_DELAY - COARSE:
+    alone = _nearest(instants, recording, wide, [AS_RECORDED])
+    beside = _nearest(instants, recording, wide, [(other,) for other in others])
+    clearer = beside is not None and (alone is None or beside.left < CLEARER * alone.left)
+    found = beside if clearer else alone
+    if found is None or abs(found.place) < MOST_DELAY - COARSE:
         return None
-    near = _nearest(instants, recording, late + np.arange(-COARSE, COARSE + FINE / 2, FINE))
-    late = round((late if near is None else near) / MS) * MS
+    near = _nearest(instants, recording, found.place + np.arange(-COARSE, COARSE + FINE / 2, FINE), [found.trial])
+    late = round((found if near is None else near).place / MS) * MS
     rows = round(late / instants.step)
     if not recording.others and not 0 < abs(rows) < len(recording.forces) // 2:
         return None
@@ -67,26 +79,57 @@ def late_forces(instants: Instants, recording: Recording, case: Case) -> Hypothe
     return Hypothesis(family=Family.CLOCK, words=words, edit=edit, recorded=recorded)
 
 
-def _nearest(instants: Instants, recording: Recording, places: Array) -> float | None:
-    """The time [s] after the motion, of some, at which forces are as it makes them; None where it cannot be computed.
+class _Nearest(NamedTuple):
+    """Where forces are as a motion makes them."""
 
-    Before the first sample and after the last the machine is taken to stand.
+    place: float  # [s] after the motion
+    trial: Trial  # of the motion
+    left: float  # weighted squares of the forces that it leaves
+
+
+def _nearest(instants: Instants, recording: Recording, places: Array, trials: Sequence[Trial]) -> _Nearest | None:
+    """The time, of some, at which forces are as one of some motions makes them; None where none can be computed.
+
+    Each channel may be any sum of what the motion makes of all of them, so that channels that are exchanged, turned or
+    scaled as well do not hide the time; not in the axes of the base. Before the first sample and after the last the
+    machine is taken to stand.
     """
     assert recording.t is not None
     assert instants.t is not None
-    regressors, motion = regressors_of(instants, [AS_RECORDED])
-    if not motion.closed[0]:
-        return None
     smooth = _smooth(recording, float(instants.step or 0.0))
     at = instants.t + places[:, None]  # shape (p, n)
     forces = np.stack([np.interp(at, recording.t, channel) for channel in smooth.T], axis=-1)
-    root = instants.weights[:, None] / instants.noise
-    rows = (regressors[0] * root[:, :, None]).reshape(-1, regressors.shape[3])
-    basis = np.linalg.qr(rows * column_scale(rows))[0]
-    weighted = (forces * root).reshape(len(places), -1)
-    residuals = np.sum((weighted - weighted @ basis @ basis.T) ** 2, axis=1)
-    similar = places[residuals <= SIMILAR**2 * residuals.min()]
-    return float(min(similar, key=abs))
+    weighted = (forces * (instants.weights[:, None] / instants.noise)).transpose(1, 2, 0)  # shape (n, 6, p)
+    best: _Nearest | None = None
+    for made, trial in zip(_made(instants, trials), trials, strict=True):
+        if made is None:
+            continue
+        directions, strengths, _ = np.linalg.svd(made * column_scale(made), full_matrices=False)
+        basis, flat = directions[:, strengths > SAME_COLUMN * strengths[0]], weighted.reshape(len(made), -1)
+        left = np.sum((flat - basis @ (basis.T @ flat)).reshape(weighted.shape) ** 2, axis=(0, 1))
+        if best is None or left.min() < best.left:
+            similar = places[left <= SIMILAR**2 * left.min()]
+            best = _Nearest(float(min(similar, key=abs)), trial, float(left.min()))
+    return best
+
+
+def _made(instants: Instants, trials: Sequence[Trial]) -> Iterator[Array | None]:
+    """What each of some motions makes, weighted: columns of all channels, shape (n, 6 u), for each channel to be a sum
+    of; in the axes of the base, where such sums would follow any forces, of the channels as they are, shape (6 n, u).
+    None where it cannot be computed.
+    """
+    if not trials:
+        return
+    regressors, motion = regressors_of(instants, trials)
+    for trial, matrices, turns, closed in zip(trials, regressors, motion.rotations, motion.closed, strict=True):
+        made = matrices * instants.weights[:, None, None]
+        if not closed:
+            yield None
+        elif any(hypothesis.in_base for hypothesis in trial):
+            in_base = np.einsum("nij,nbju->nbiu", turns, made.reshape(len(made), 2, 3, -1)).reshape(made.shape)
+            yield (in_base / instants.noise[:, None]).reshape(-1, made.shape[2])
+        else:
+            yield made.reshape(len(made), -1)
 
 
 def _smooth(recording: Recording, step: float) -> Array:

@@ -117,7 +117,7 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         if _near(recorded):
             return Search(recorded, (), None, ())
     readings: list[tuple[Trial, Instants]] = []
-    late = None if base is None else late_forces(base, recording, case)
+    late = None if base is None else late_forces(base, recording, case, hypotheses_of(base).changes)
     for reading in (*of_recording(recording, case), *([] if late is None else [late])):
         instants = _of_reading(reading, recording, case, model)
         if instants is not None:

@@ -102,11 +102,13 @@ def test_a_mistake_is_named(of: str, name: str) -> None:
         ("five_axis_table", ("sign of channel 3", "time twice too slow")),
         ("five_axis_table", ("gravity +z in the case", "sensor turned 90 about z")),
         (WRIST, ("orientation as zyx intrinsic", "axes of the base")),
-        ("ur10_wrist", ("sensor turned -90 about y", "sensor 70 mm off")),
         ("ur10_wrist", ("sensor turned -72 about z", "moments about the tool")),
         ("ur10_wrist", ("40 % compensated", "moments about the tool")),
         ("panda", ("channels 1-2, 4-5 exchanged", "gravity +z in the case")),
         ("hexapod", ("channels 1-2, 4-5 exchanged", "upper ends 3-4 exchanged")),
+        ("panda", ("joints 6-7 exchanged", "forces 150 ms late")),
+        ("panda", ("sensor turned -90 about y", "forces 150 ms late")),
+        ("hexapod", ("struts 1-4 exchanged", "forces 150 ms late")),
         kept=1,
     ),
 )
@@ -114,6 +116,15 @@ def test_two_mistakes_at_once_are_named_together(of: str, names: tuple[str, str]
     text = said(of, *names)
     for name in names:
         assert mistake(of, name).named_in(text), text
+
+
+@pytest.mark.slow
+def test_a_point_beside_a_turn_is_told_in_the_axes_of_the_sensor_as_it_is() -> None:
+    """(-60, 0, 40) mm in the axes of the case are (40, 0, 60) mm in those of a sensor turned by -90 deg about y."""
+    turn, off = (mistake("ur10_wrist", name) for name in ("sensor turned -90 about y", "sensor 70 mm off"))
+    text = said("ur10_wrist", turn.name, off.name)
+    assert turn.named_in(text), text
+    assert replace(off, sizes=(40.0, 0.0, 60.0)).named_in(text), text
 
 
 def test_the_pace_of_a_gentle_run_is_right_by_its_deviation() -> None:
