@@ -182,11 +182,16 @@ def examples(name: str) -> list[doctest.DocTest]:
 
 FUNCTIONS_AND_TYPES = [name for name in hx.PUBLIC if name != "__version__"]
 LONG = {"demo", "identify_models", "ModelChoice", "study", "validate"}  # examples of several seconds
+REPEATED = {"pool", "plan", "retime", "run", "certificate"}  # of a second, whose facts other tests state too
 OUTPUT = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in FUNCTIONS_AND_TYPES]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name in LONG) + [pytest.mark.repeats] * (name in REPEATED))
+        for name in FUNCTIONS_AND_TYPES
+    ],
 )
 def test_examples_of_docstrings_are_true(name: str, copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each public name has one, with what it shows."""

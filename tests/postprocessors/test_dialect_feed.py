@@ -89,7 +89,9 @@ def test_the_feed_of_a_move_gives_it_the_planned_time_under_the_controllers_law(
     reading = typed.read(text)
     guarantees = typed.language.guarantees(reading, CASE)
     run = predicted(reading.stretches[-1], guarantees)
-    assert run.duration == pytest.approx(move.duration, rel=1e-5)
+    # of the shortest moves the rounding of places to 0.1 um is a larger share than that of the feed
+    rounded = 1e-5 + 1e-7 / np.abs((end - HOME)[:3]).max(initial=1e-3)
+    assert run.duration == pytest.approx(move.duration, rel=rounded)
     stretch = typed.read(_with_a_third_of_the_last_feed(text)).stretches[-1]
     again = predicted(stretch, guarantees)
     assert again.duration >= 3 * stretch.length / reading.stretches[-1].feed * (1 - 1e-5)

@@ -256,6 +256,7 @@ def quotations_in(page: str) -> set[str]:
     return set(re.findall(r'<q lang="en">(.*?)</q>', page, re.DOTALL))
 
 
+@pytest.mark.repeats
 def test_stages_quote_only_what_was_said_without_a_code(answered: TestClient):
     stages = ("machine", "plan", "program", "data", "data?recording=rec", "result", "use")
     quoted = set[str]().union(*(quotations_in(answered.get(f"/m/+mill/{stage}").text) for stage in stages))

@@ -15,6 +15,7 @@ from identification.identify import default_model, estimate_parameters
 from identification.model.model import identification_model
 from identification.samples.samples import GAUSS_MARKOV, Fitted
 from tests.damaged.runs import SOUND, STATED, Change, Machine, Moves, Noise, machine, recorded
+from tests.helpers import few
 
 DAMPING = 0.02
 
@@ -97,7 +98,7 @@ def test_deviations_hold_with_a_mode() -> None:
     assert np.abs(errors).max() < 3.5
 
 
-@pytest.mark.parametrize(("frequency", "wider"), [(45.0, 15.0), (55.0, 6.0), (80.0, 1.6)])
+@pytest.mark.parametrize(("frequency", "wider"), few((55.0, 6.0), (45.0, 15.0), (80.0, 1.6)))
 def test_forces_that_a_mode_sharpens_are_estimated_so(frequency: float, wider: float) -> None:
     """Neither is the mass off by the mode, nor is its deviation much larger for it, unless the mode is in the band."""
     of, seed = machine("hexapod"), 2

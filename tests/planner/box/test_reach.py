@@ -116,7 +116,7 @@ def test_the_command_prints_and_draws_the_reach(small: Case, tmp_path: Path) -> 
 
 @pytest.mark.parametrize("name", ["ft_wrist", "clamping_table"])
 def test_cases_without_a_motion_box(name: str) -> None:
-    assert set(call("case", "check", name, "--json").json()) == {"ok", "figures", "missing", "remarks"}
+    assert set(call("case", "check", name, "--json").json()) == {"ok", "figures", "missing", "remarks", "phrases"}
     assert "reach" not in call("case", "check", name).out
 
 

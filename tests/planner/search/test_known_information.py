@@ -19,7 +19,7 @@ def mean_of(case: Case, start: Start) -> np.ndarray:
     return mean_information(model, reference_scaling(case, model), start.family.motion(start.unknowns))
 
 
-@pytest.mark.parametrize("name", ["fourier", "ptp"])
+@pytest.mark.parametrize("name", ["fourier", pytest.param("ptp", marks=pytest.mark.repeats)])
 def test_the_motion_adds_most_to_an_earlier_run(name: str, hexapod_case: Case):
     """Known is the motion that is best alone: another one has less information, and both together more."""
     case, family = hexapod_case, family_of(hexapod_case, name)

@@ -18,6 +18,7 @@ from planner.search.record import Failed, SolverStatus, StartRecord
 from planner.search.solving import Start
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
+from tests.helpers import seeds
 from tests.postprocessors.changed_case import changed
 
 WORSE = 0.01  # share of an efficiency
@@ -77,7 +78,7 @@ def test_more_starts_never_give_less(family: str):
     not_worse([logdet(family, starts=starts) for starts in (1, 2, 3)])
 
 
-@pytest.mark.parametrize("seed", range(2))
+@seeds(2)
 def test_what_is_refined_of_some_starts_is_refined_of_more(seed: int):
     """Explorations that promise much may come to less: none that fewer starts refined is left out."""
     promises = np.random.default_rng(seed).normal(-9.0, 0.1, 6)
