@@ -2,6 +2,8 @@
 
 import doctest
 import json
+import subprocess
+import sys
 from contextlib import nullcontext
 from pathlib import Path
 from shutil import copytree
@@ -206,3 +208,7 @@ def test_examples_of_docstrings_are_true(name: str, copied: Path, monkeypatch: p
 
 def test_the_version_is_told_by_both() -> None:
     assert call("--version").out.strip() == f"hexcite {hx.__version__}"
+    of_module = subprocess.run(
+        [sys.executable, "-m", "hexcite", "--version"], capture_output=True, text=True, check=True
+    )
+    assert of_module.stdout.strip() == f"hexcite {hx.__version__}"

@@ -130,7 +130,8 @@ def written(seed: int) -> Written:
         factor = units[unit]
         if unit == "" and draw.random() < 0.15:
             unit, known = draw.choice(UNKNOWN_UNITS), False
-            factor = 10.0 ** draw.uniform(-2, 2)
+            # within a factor of two nothing in a file speaks against the usual unit, and only the mass says so
+            factor = 10.0 ** (draw.choice([-1, 1]) * draw.uniform(0.3, 2.0))
         first = 0 if draw.random() < 0.2 and "_" not in name else 1
         for k in range(6):
             columns.append((name.format(k + first), unit, [number(v * factor) for v in values[:, k]]))
