@@ -70,6 +70,7 @@ def test_each_block_is_predicted_from_the_others_alone() -> None:
     assert left_out(fitted, np.eye(6))[2] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.repeats
 def test_in_motion_all_ten_models_and_the_third_with_inertia_stand_beside_each_other() -> None:
     execution = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2.5))
     choice = hx.identify_models(simulate_recording(CASE, execution, np.array([[0.15, 2.35]]), 0, "run.csv"), CASE)

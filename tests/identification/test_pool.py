@@ -45,6 +45,7 @@ def test_what_runs_have_in_common_does_not_average_out_and_their_noise_does() ->
     assert any(tells(text, "4 runs agree") for text in pooled.notes)
 
 
+@pytest.mark.repeats
 def test_a_pool_of_pools_is_the_pool_of_all() -> None:
     a, b, c, d = (of_run(seed) for seed in (1, 2, 3, 4))
     both, at_once = hx.pool([hx.pool([a, b]), hx.pool([c, d])]), hx.pool([a, b, c, d])

@@ -64,6 +64,7 @@ def test_struts_join_base_and_platform():
 
 @pytest.mark.first(1)
 @pytest.mark.parametrize("joints", few(6, 5))
+@pytest.mark.repeats
 def test_a_chain_moves_on_its_page(browser: Browser, joints: int, tmp_path: Path):
     """The page turns the parts with its own code: they stand where this module places them."""
     scene = posing_machine(chain_case(joints), around_home(joints, 6))
