@@ -37,6 +37,7 @@ from identification.model.model import Model
 from identification.recording.recording import Recording
 
 NEAR = 3.0  # times what noise makes of the residuals, up to which they are explained
+SURER = 0.5  # of that, up to which two mistakes of which one has a size explain a run
 REMOVED = 0.02  # share of what is above the noise, squared, that an explanation leaves at most
 ALIKE = 1.15  # ratio of residuals up to which trials predict the same forces
 SAME = 1.03  # the same within a family, of which the simplest is named
@@ -141,7 +142,7 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         explained = explanations(entries, recorded)
         if explained:
             entries += [_settled(entry) for entry in _with_sizes(entries)]
-            explained = explanations(entries, recorded)
+            explained = explanations(entries, recorded, SURER)
     finite = [entry for entry in entries if np.isfinite(entry.residuals)]
     best = min(finite, key=lambda entry: (entry.residuals, mistakes(entry.trial)), default=None)
     return Search(recorded, explained, best, tuple(sorted(families, key=FAMILIES.index)), pairs)
@@ -179,8 +180,14 @@ def _worth_pairs(found: Sequence[Tried], recorded: Tried | None) -> bool:
     return min((entry.residuals for entry in found), default=np.inf) < LOWERED * recorded.residuals
 
 
-def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried, ...]:
-    """Those of some trials that explain the run, alike, one of each family, the best first."""
+def explanations(found: Sequence[Tried], recorded: Tried | None, flexible: float = 1.0) -> tuple[Tried, ...]:
+    """Those of some trials that explain the run, alike, one of each family, the best first.
+
+    Args:
+        found: the trials.
+        recorded: all as recorded.
+        flexible: share of `NEAR` up to which two mistakes explain of which one has a size, found beside the other.
+    """
     before = np.inf if recorded is None else recorded.residuals
     better = [entry for entry in found if entry.trial and entry.residuals < before / 2.0]
     if not better:
@@ -188,7 +195,8 @@ def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried,
     best = min(better, key=lambda entry: entry.residuals)
     noise = 1.0 if best.residuals <= _most_left(before) and best.residuals <= NEAR else _noise_of(best)
     most = min(NEAR * noise, _most_left(before, noise))
-    explaining = [entry for entry in better if entry.residuals <= most]
+    less = min(flexible * NEAR * noise, most)
+    explaining = [entry for entry in better if entry.residuals <= (less if _flexible(entry) else most)]
     if not explaining:
         return ()
     least = min(entry.comparable for entry in explaining)
@@ -203,6 +211,11 @@ def explanations(found: Sequence[Tried], recorded: Tried | None) -> tuple[Tried,
     fewest = min(mistakes(entry.trial) for entry in simplest)
     plain = [entry for entry in simplest if mistakes(entry.trial) < fewest + SIMPLER]
     return tuple(sorted(plain, key=lambda entry: (mistakes(entry.trial), FAMILIES.index(entry.trial[0].family))))
+
+
+def _flexible(entry: Tried) -> bool:
+    """Whether two mistakes at once, one of any size, follow much that neither of them made."""
+    return len(entry.trial) > 1 and any(hypothesis.size is not None for hypothesis in entry.trial)
 
 
 def _most_left(before: float, noise: float = 1.0) -> float:

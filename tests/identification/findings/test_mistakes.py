@@ -127,6 +127,23 @@ def test_a_point_beside_a_turn_is_told_in_the_axes_of_the_sensor_as_it_is() -> N
     assert replace(off, sizes=(40.0, 0.0, 60.0)).named_in(text), text
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("seed", "names"),
+    [
+        (1, ("channels 2-3 exchanged", "moments about the tool")),  # the controller adds moments of exchanged forces
+        (2, ("sensor turned 180 about z", "40 % compensated")),  # the weight is taken off as if it were not turned
+    ],
+)
+def test_two_mistakes_in_an_order_that_is_not_tried_have_no_cause(seed: int, names: tuple[str, str]) -> None:
+    """Others with a size come near enough to look like one."""
+    sound = run("panda", seed)
+    recording, case = sound.recording, sound.case
+    for name in names:
+        recording, case = mistake("panda", name).make(sound, recording, case)
+    assert searched(recording, case).explanations == ()
+
+
 def test_the_pace_of_a_gentle_run_is_right_by_its_deviation() -> None:
     """Its residuals are three times the noise: a filter that passes less of that at another pace would count."""
     slow, sound = mistake("hexapod", "time twice too slow"), run("hexapod", 4)
