@@ -123,6 +123,7 @@ def test_a_plan_keeps_every_limit_and_rests_at_both_ends(joints: int, plans: Pla
     np.testing.assert_allclose(ends.rates, 0.0, atol=1e-9)
 
 
+@pytest.mark.repeats
 @pytest.mark.parametrize("joints", few(6, 5, 7))
 def test_a_plan_is_far_better_than_chance_and_below_its_bound(joints: int, plans: Plans):
     plan = plans[joints]

@@ -161,6 +161,7 @@ def test_the_way_to_the_first_point_is_the_one_that_the_controller_makes(interfa
     assert STEPS[len(interfaces) - 1] in remark
 
 
+@pytest.mark.repeats
 def test_what_the_controller_does_by_its_own_settings_is_said() -> None:
     ways = {
         "a control loop follows": {"command_interfaces": ("velocity",)},

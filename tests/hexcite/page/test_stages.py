@@ -401,6 +401,7 @@ def test_a_command_that_ends_while_its_stage_is_drawn_is_still_followed(
     assert answered in client.get("/m/hexapod/machine").text
 
 
+@pytest.mark.repeats
 def test_a_check_of_a_machine_is_shown_with_and_without_a_proposal(client: TestClient):
     for fields in ({}, {"propose": "1"}):
         assert client.post("/m/hexapod/do/check", data=fields).status_code == 303

@@ -212,6 +212,7 @@ def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: 
     assert one["score"] == other["score"]
 
 
+@pytest.mark.repeats
 def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "CONNECT", 0.2)
     spec, folder = tmp_path / "small.toml", tmp_path / "study"
