@@ -15,7 +15,20 @@ from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace, require_flange
 from cases.sensors import RigidBody
-from cases.tables import NonNegative, Number, Part, Positive, Range, Text, Vector, frozen, kind_of, own_units, spelled
+from cases.tables import (
+    NonNegative,
+    Number,
+    Part,
+    Positive,
+    Range,
+    Text,
+    Vector,
+    frozen,
+    kind_of,
+    of_named,
+    own_units,
+    spelled,
+)
 
 MOST_JOINTS = 12
 LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
@@ -71,11 +84,9 @@ class Joint(Frame):
         for key in (*foreign, position) if self.kind == "continuous" else foreign:
             if getattr(self, key) is not None:
                 raise ValueError(
-                    phrase(
-                        "named",
-                        "{name}: {problem}",
-                        name=self.name,
-                        problem=phrase(
+                    of_named(
+                        self.name,
+                        phrase(
                             "not_of_kind",
                             "is {kind} and has no {key}; remove it or change the kind",
                             kind=self.kind,
@@ -86,11 +97,9 @@ class Joint(Frame):
         low, high = self.position
         if self.home < low or self.home > high:  # neither, where none is stated
             raise ValueError(
-                phrase(
-                    "named",
-                    "{name}: {problem}",
-                    name=self.name,
-                    problem=phrase(
+                of_named(
+                    self.name,
+                    phrase(
                         "home_outside",
                         "{home} = {value} is outside {position}; choose one within",
                         home=home,
@@ -277,21 +286,12 @@ class JointLimit(Part):
             sliding=_choices(_SLIDING),
         )
         if not stated:
-            raise ValueError(
-                phrase(
-                    "named",
-                    "{name}: {problem}",
-                    name=self.name,
-                    problem=phrase("no_limits", "no limits are stated; {both}", both=both),
-                )
-            )
+            raise ValueError(of_named(self.name, phrase("no_limits", "no limits are stated; {both}", both=both)))
         if turning and sliding:
             raise ValueError(
-                phrase(
-                    "named",
-                    "{name}: {problem}",
-                    name=self.name,
-                    problem=phrase(
+                of_named(
+                    self.name,
+                    phrase(
                         "both_kinds",
                         "{turning} stand beside {sliding}; {both}",
                         turning=", ".join(turning),
@@ -303,32 +303,24 @@ class JointLimit(Part):
         stated_keys = [[key for key in keys if key in stated] for keys in self._kind]
         if missing := [keys for keys, found in zip(self._kind, stated_keys, strict=True) if not found]:
             raise ValueError(
-                phrase(
-                    "named",
-                    "{name}: {problem}",
-                    name=self.name,
-                    problem=phrase("limits_missing", "{keys} not stated; add what is missing", keys=_choices(missing)),
+                of_named(
+                    self.name,
+                    phrase("limits_missing", "{keys} not stated; add what is missing", keys=_choices(missing)),
                 )
             )
         if twice := [keys for keys in stated_keys if len(keys) > 1]:
             raise ValueError(
-                phrase(
-                    "named",
-                    "{name}: {problem}",
-                    name=self.name,
-                    problem=phrase(
-                        "state_the_same", "{keys} state the same; remove one", keys=enumerated("both", twice[0])
-                    ),
+                of_named(
+                    self.name,
+                    phrase("state_the_same", "{keys} state the same; remove one", keys=enumerated("both", twice[0])),
                 )
             )
         low, high = getattr(self, position := self.keys[0])
         if not low <= 0.0 <= high:
             raise ValueError(
-                phrase(
-                    "named",
-                    "{name}: {problem}",
-                    name=self.name,
-                    problem=phrase(
+                of_named(
+                    self.name,
+                    phrase(
                         "without_zero",
                         "{position} does not contain 0; it is relative to home, widen it",
                         position=position,

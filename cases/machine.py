@@ -23,6 +23,7 @@ from cases.tables import (
     Text,
     Vector,
     frozen,
+    of_named,
     own_units,
     si,
 )
@@ -270,21 +271,13 @@ class Tool(Part):
     def _one_shape(self) -> "Tool":
         if (self.to_mm is None) == (self.corners_mm is None):
             raise ValueError(
-                phrase(
-                    "named",
-                    "{name}: {problem}",
-                    name=self.name,
-                    problem=phrase("axis_or_corners", "state the axis (from_mm, to_mm) or corners_mm, one of them"),
+                of_named(
+                    self.name, phrase("axis_or_corners", "state the axis (from_mm, to_mm) or corners_mm, one of them")
                 )
             )
         if self.corners_mm is not None and "from_mm" in self.model_fields_set:
             raise ValueError(
-                phrase(
-                    "named",
-                    "{name}: {problem}",
-                    name=self.name,
-                    problem=phrase("from_with_to", "from_mm goes with to_mm; remove it beside corners_mm"),
-                )
+                of_named(self.name, phrase("from_with_to", "from_mm goes with to_mm; remove it beside corners_mm"))
             )
         return self
 
