@@ -22,7 +22,15 @@ from identification.recording.formats.recorders.plain import SAMPLE
 from identification.recording.formats.ros.echoed import echoed_names
 from identification.recording.formats.table import MOST_MISSING
 from identification.recording.formats.text_layout import Layout, cells
-from identification.recording.formats.words import EMPTY, is_missing, is_number, is_switch, is_value, split
+from identification.recording.formats.words import (
+    EMPTY,
+    aligned_fields,
+    is_missing,
+    is_number,
+    is_switch,
+    is_value,
+    split,
+)
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _NUMERIC = 0.7  # share of a column's fields, from which on it is numeric
@@ -257,7 +265,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[FileForma
 
 def _is_row(form: FileFormat, line: str, numeric: Sequence[bool], aligned: bool) -> bool:
     """Whether a line is one of the table's: as many fields, numbers where others have such, one of them at least."""
-    fields = line.split() if aligned else split(line, form.separator)
+    fields = aligned_fields(line, len(numeric)) if aligned else split(line, form.separator)
     if len(fields) != len(numeric):
         return False
     numbers = [field for field, number in zip(fields, numeric, strict=True) if number]

@@ -9,7 +9,7 @@ from cases.base.phrases import Phrase, phrase
 from cases.recording_format import CLOCK, COLUMNS, FileFormat
 from identification.recording.formats.content import Section
 from identification.recording.formats.table import listed, shown
-from identification.recording.formats.words import split
+from identification.recording.formats.words import aligned_fields, split
 
 _REMARKS = (b"#", b"%", b"//")  # how a line begins that is a remark among rows
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
@@ -58,7 +58,7 @@ class Layout:
 
     def split(self, line: str) -> list[str]:
         """The fields of a line."""
-        return line.split() if self.aligned else split(line, self.form.separator)
+        return aligned_fields(line, len(self.fields)) if self.aligned else split(line, self.form.separator)
 
     def is_no_row(self, line: bytes) -> bool:
         """Whether a line is blank, holds nothing but a word that is not a row, or a remark."""

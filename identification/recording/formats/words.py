@@ -7,6 +7,7 @@ from math import isfinite, nan
 from cases.recording_format import FileFormat
 
 _NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eEdD][+-]?[0-9]+)?\s*|\s*[+-]?(nan|inf(inity)?)\s*", re.I)
+_TOUCHED = re.compile(r"(\.[0-9]*(?:[eEdD][+-]?[0-9]+)?)-")  # a number that ends where the sign of another stands
 _FORTRAN = str.maketrans("dD", "ee")  # its double precision has exponents such as 1.5D+03
 
 # What a C library of Microsoft's prints for what is not a number; the zeros are those of its precision.
@@ -38,6 +39,19 @@ def split(line: str, separator: str) -> list[str]:
         return next(csv.reader([line], delimiter=separator), [])
     except csv.Error:
         return line.split(separator)
+
+
+def aligned_fields(line: str, count: int) -> list[str]:
+    """The fields of a line of aligned columns; a number that fills its column touches the negative one behind it.
+
+    Args:
+        count: fields of the table; a line that has as many is left as it is.
+    """
+    fields = line.split()
+    if len(fields) >= count:
+        return fields
+    apart = [part for field in fields for part in _TOUCHED.sub(r"\1 -", field).split()]
+    return apart if len(apart) == count and all(map(is_number, apart)) else fields
 
 
 def is_missing(text: str) -> bool:

@@ -11,6 +11,7 @@ from cases.base.errors import RecordingError
 from identification.looks.looking import look
 from identification.recording.formats.content import Content, blocks_of, lines_of, section_of
 from identification.recording.formats.text_numbers import squeezed
+from identification.recording.formats.words import aligned_fields
 from identification.recording.recording import Recording, read
 from tests.helpers import examples, refused_at
 from tests.identification.recording.formats.runs import HEXAPOD, NAMES, Truth, case_with, csv, rows, written
@@ -83,6 +84,36 @@ def test_look_proposes_what_reads_the_run(how: str, tmp_path: Path) -> None:
 )
 def test_what_is_separated_by_commas_needs_no_settings(how: str, tmp_path: Path) -> None:
     require_the_run(read(written(tmp_path, READABLE[how]), HEXAPOD))
+
+
+def test_a_number_that_fills_its_column_touches_the_one_before(tmp_path: Path) -> None:
+    lines = ["".join(f"{v:{10 if k < 7 else 9}.4f}" for k, v in enumerate(row)) for row in RUN.numbers()]
+    few = [line for line in lines if len(line.split()) < len(NAMES)]
+    assert 0 < len(few) < len(lines) / 2
+    file = written(tmp_path, "\n".join([" ".join(NAMES), *lines]) + "\n")
+    recording = read(file, case_with(**look(file, HEXAPOD).settings))
+    np.testing.assert_allclose(recording.drives, RUN.struts, atol=1e-7)
+    np.testing.assert_allclose(recording.forces, RUN.forces, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("line", "fields"),
+    [
+        ("1.5 2.5", ["1.5", "2.5"]),
+        ("1.25-2.5 3", ["1.25", "-2.5", "3"]),
+        ("1.-2.5-3.", ["1.", "-2.5", "-3."]),
+        ("1.5e-03-2.5e+01 3", ["1.5e-03", "-2.5e+01", "3"]),
+        ("2026-11-28 3", ["2026-11-28", "3"]),  # a day
+        ("1.5-2.5", ["1.5-2.5"]),  # two fields, where three are expected
+        ("a1.5-2 3", ["a1.5-2", "3"]),
+    ],
+)
+def test_fields_that_touch_are_told_apart_where_all_are_there(line: str, fields: list[str]) -> None:
+    assert aligned_fields(line, 3) == fields
+
+
+def test_a_number_without_the_letter_of_its_exponent_is_not_two() -> None:
+    assert aligned_fields("1.5-103 2.5", 2) == ["1.5-103", "2.5"]
 
 
 HIOKI = [
