@@ -16,7 +16,7 @@ from identification.motion.motion import sample
 from identification.recording.recording import Recording
 from identification.results.identifiability import Identifiability, analysed, models_of, of_models
 from identification.results.result import Result
-from identification.samples.moving import Run
+from identification.samples.moving import MovingRun
 from identification.samples.samples import Samples
 from planner.plans.plan import Plan
 
@@ -124,17 +124,17 @@ def _any(model: Model) -> bool:
 def _at_samples(samples: Samples, delay: float) -> tuple[Callable[[Model], Array], Callable[[Model], bool]]:
     """What gives A for a model at samples, or a part of many that stands for all, and of which models it can."""
     part = samples.excerpt()
-    motion = None if isinstance(part, Run) else part.motion(delay)
+    motion = None if isinstance(part, MovingRun) else part.motion(delay)
 
     def known(model: Model) -> bool:
-        if isinstance(part, Run) or model.names == part.model.names:
+        if isinstance(part, MovingRun) or model.names == part.model.names:
             return True
         return motion is not None and (motion.drives is not None or not model.needs_position)
 
     def evaluate(model: Model) -> Array:
         if model.names == part.model.names:
             return part.regressors(delay)
-        if isinstance(part, Run):
+        if isinstance(part, MovingRun):
             return replace(part, model=model).regressors(delay)
         if motion is None or not known(model):  # as `require_position` says of a fit
             raise IdentificationError(

@@ -6,14 +6,14 @@ from collections.abc import Callable
 from typing import TypeVar
 
 EVERY = 1.0  # [s]
-Shown = TypeVar("Shown")
+Progress = TypeVar("Progress")
 
 
-def seldom(show: Callable[[Shown], None]) -> Callable[[Shown], None]:
+def seldom(show: Callable[[Progress], None]) -> Callable[[Progress], None]:
     """A function that passes on its argument, the first one and then at most once a second; others it leaves out."""
     last = -math.inf
 
-    def passing(what: Shown) -> None:
+    def passing(what: Progress) -> None:
         nonlocal last
         if (now := time.monotonic()) - last >= EVERY:
             last = now

@@ -30,12 +30,12 @@ from identification.estimation.noise_spectra import (
     NOTHING,
     PASSED,
     SLOW,
+    ChannelSpectra,
     Likeliest,
-    Shown,
+    channel_spectra,
     free_of,
     likeliest,
     lowest,
-    shown,
 )
 from identification.estimation.one_memory import HARDLY_SHOWN, channels_of, mean_of
 from identification.finding import Finding, Kind, note
@@ -96,7 +96,7 @@ def source_covariance(found: Turned) -> Array | None:
     if found.sources is None or len(found.noise) < LEAST_SAMPLES:
         return None
     kinds, meats, risen = np.array([found.lags(source) for source in found.sources]), [], False
-    for channel in shown(found, kinds, lowest(found, PASSED, len(kinds))):
+    for channel in channel_spectra(found, kinds, lowest(found, PASSED, len(kinds))):
         white = likeliest(channel.power, channel.residual[:1])
         both = likeliest(channel.power, channel.residual)
         chosen = both if both.criterion > white.criterion else white
@@ -129,7 +129,9 @@ def _noises(found: Turned) -> list[Parts]:
     return [_described(channels, single, alike, rising)]
 
 
-def _described(channels: Sequence[Shown], single: Sequence[Shown], many: Likeliest, rising: bool) -> Parts:
+def _described(
+    channels: Sequence[ChannelSpectra], single: Sequence[ChannelSpectra], many: Likeliest, rising: bool
+) -> Parts:
     """Noise of one memory, which few numbers show best; the mixture where that explains clearly more.
 
     Args:
@@ -150,7 +152,7 @@ def _described(channels: Sequence[Shown], single: Sequence[Shown], many: Likelie
     return Parts(one.shares, _together(many.sizes, single), certain, HARDLY_SHOWN)
 
 
-def _together(sizes: Array, channels: Sequence[Shown]) -> Array:
+def _together(sizes: Array, channels: Sequence[ChannelSpectra]) -> Array:
     """B^T Gamma B by a unit of each noise in channels of these sizes, shape (c, u, u)."""
     return np.asarray(np.tensordot(sizes, np.array([of.covariances for of in channels]), 1))
 
@@ -192,7 +194,7 @@ def _wider(noises: Sequence[Parts], each: Sequence[Array]) -> Array:
     return np.asarray(stdtrit(np.clip(freedom, 1.0, MANY), INSIDE) / stdtrit(MANY, INSIDE))
 
 
-def _channels(found: Turned) -> list[Shown]:
+def _channels(found: Turned) -> list[ChannelSpectra]:
     """What the residuals of each channel show of all noises that are tried."""
     kinds = memories(found.length)
     if found.sources is not None:
@@ -200,7 +202,7 @@ def _channels(found: Turned) -> list[Shown]:
     mask = found.series(np.ones(len(found.noise)))
     scale = float(mask.sum()) / found.freedom
     resonances = [autoregressive(noise, mask, scale) for noise in found.series(found.noise).T]
-    return shown(found, np.array(kinds), lowest(found, SLOW, len(kinds)), resonances)
+    return channel_spectra(found, np.array(kinds), lowest(found, SLOW, len(kinds)), resonances)
 
 
 def _spread(shares: Array, expected: Array, free: Array) -> Array:
@@ -220,7 +222,7 @@ def _spread(shares: Array, expected: Array, free: Array) -> Array:
     return np.asarray(shares[:, None] * relative * shares)
 
 
-def _chosen(channels: Sequence[Shown]) -> Likeliest:
+def _chosen(channels: Sequence[ChannelSpectra]) -> Likeliest:
     """Shares that are the same in some channels, with the autoregressive noises where Akaike's criterion asks for them.
 
     Its price is the number of their coefficients. Shares are of all kinds, shape (c,).
@@ -232,7 +234,7 @@ def _chosen(channels: Sequence[Shown]) -> Likeliest:
     return plain._replace(shares=np.r_[plain.shares, 0.0])
 
 
-def _in_common(channels: Sequence[Shown], last: int | None) -> Likeliest:
+def _in_common(channels: Sequence[ChannelSpectra], last: int | None) -> Likeliest:
     """Shares of the kinds up to one that are the same in some channels, whose noise has sizes of their own."""
     power, expected = [of.power for of in channels], [of.residual[:last] for of in channels]
     counts = [len(of) for of in power]

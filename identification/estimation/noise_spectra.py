@@ -24,7 +24,7 @@ MANY = 1e9  # damping of a search that finds nothing better
 NOTHING = 1e-9  # share of the largest power, below which no power counts
 
 
-class Shown(NamedTuple):
+class ChannelSpectra(NamedTuple):
     """What the residuals of a channel show of noises of some kinds."""
 
     kinds: Array  # their autocovariances, shape (c, n); the last is the autoregressive one
@@ -54,9 +54,9 @@ def lowest(found: Turned, share: float, kinds: int) -> int:
     return max(1 + kinds, int(share * (found.length // 2)) + 1)
 
 
-def shown(
+def channel_spectra(
     found: Turned, kinds: Array, frequencies: int, peaked: Sequence[tuple[Array, int]] | None = None
-) -> list[Shown]:
+) -> list[ChannelSpectra]:
     """What the residuals of each channel show of noises at the lowest frequencies.
 
     Args:
@@ -72,7 +72,7 @@ def shown(
     for k in range(found.noise.shape[1]):
         autocovariances, order = (kinds, 0) if peaked is None else (np.vstack([kinds, peaked[k][0]]), peaked[k][1])
         effects = _seen(*_narrow(answer[:, k], basis[:, k]), mask, pairs, autocovariances, frequencies)
-        answers.append(Shown(autocovariances, np.abs(rfft(white[:, k])[:frequencies]) ** 2, *effects, order))
+        answers.append(ChannelSpectra(autocovariances, np.abs(rfft(white[:, k])[:frequencies]) ** 2, *effects, order))
     return answers
 
 
@@ -119,7 +119,7 @@ def _seen(
     return np.array(residual_spectra), raw, np.array(meats)
 
 
-def free_of(shares: Array, channel: Shown) -> Array:
+def free_of(shares: Array, channel: ChannelSpectra) -> Array:
     """Share of the power of a mixture that the fit leaves at each frequency, shape (f,)."""
     floor = NOTHING * float(channel.residual.max())
     return np.asarray(np.clip((shares @ channel.residual) / np.maximum(shares @ channel.whole, floor), 0.0, 1.0))

@@ -14,7 +14,7 @@ import numpy as np
 
 from cases.base.units import Array
 from identification.estimation.force_noise import SHORTEST, Turned
-from identification.estimation.noise_spectra import NOTHING, Shown, likeliest, shown
+from identification.estimation.noise_spectra import NOTHING, ChannelSpectra, channel_spectra, likeliest
 
 PER_OCTAVE, OCTAVES_BEYOND = 2, 1  # memories that are tried, from so many octaves above the run's length downwards
 HARDLY_SHOWN = 1 + PER_OCTAVE * (OCTAVES_BEYOND + 2)  # of them: those of a quarter of the run or longer
@@ -46,7 +46,7 @@ class _Memory(NamedTuple):
     likelihood: float  # logarithm, of the likeliest
 
 
-def channels_of(found: Turned, frequencies: int) -> list[Shown]:
+def channels_of(found: Turned, frequencies: int) -> list[ChannelSpectra]:
     """What residuals show of white noise, of noises of each memory, and of accelerations, at the lowest frequencies."""
     lags = np.arange(found.length)
     finest = max(int(PER_OCTAVE * np.log2(found.length / SHORTEST)), 1)
@@ -54,10 +54,10 @@ def channels_of(found: Turned, frequencies: int) -> list[Shown]:
     kinds = [(lags == 0) * 1.0, *(np.exp(-lags * 2.0**octave / found.length) for octave in octaves)]
     if found.sources is not None:
         kinds.append(found.lags(found.sources[1]))
-    return shown(found, np.array(kinds), frequencies)
+    return channel_spectra(found, np.array(kinds), frequencies)
 
 
-def mean_of(channels: Sequence[Shown], sizes: Array, free: Array, rising: bool) -> Mean:
+def mean_of(channels: Sequence[ChannelSpectra], sizes: Array, free: Array, rising: bool) -> Mean:
     """The mean over memories and sizes of the noise with memory, beforehand alike in their logarithms.
 
     Args:

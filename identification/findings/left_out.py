@@ -25,7 +25,7 @@ from identification.model.model import (
     regressors,
     static_model,
 )
-from identification.samples.samples import Fitted, MotionOfSamples, Moving
+from identification.samples.samples import Fitted, MotionOfSamples, MovingSamples
 
 STEP = 1e-6  # [m, rad and their rates, or a share] for derivatives of what is smooth over metres
 FAINT = 1e-4  # of what varies in the forces, below which noise of the drives does not count
@@ -87,12 +87,12 @@ class LeftOut:
         samples = fitted.samples
         even = np.zeros(0, dtype=np.int64)
         lag, step = None, 1.0
-        if isinstance(samples, Moving):
+        if isinstance(samples, MovingSamples):
             close = np.diff(samples.places) == 1
             even, step = 1 + np.flatnonzero(close[1:] & close[:-1]), samples.step
             lag = fitted.regression.regressors[:, :, -1]
         values = fitted.fit.values[: len(samples.model.names)]
-        number = full_model(case) if isinstance(samples, Moving) else static_model(case)
+        number = full_model(case) if isinstance(samples, MovingSamples) else static_model(case)
         if motion.by_accelerometer:  # larger models need positions
             number = RIGID
         columns = samples.columns(fitted.at, values, fitted.regression.names)

@@ -7,7 +7,7 @@ from scipy.linalg import block_diag
 
 from cases.base.units import Array, Indices
 from identification.estimation.alternatives import Remainder
-from identification.samples.samples import Fitted, Moving, Samples, Standstills
+from identification.samples.samples import Fitted, MovingSamples, Samples, Standstills
 from identification.signals import fair_part
 
 EXCERPT = 0.25  # of `fair_part` of a long run, by which it is judged: enough for effects far below what matters
@@ -59,7 +59,7 @@ def remainder_of(fitted: Fitted, smooth: Array | None = None) -> Remainder:
 
 def _places(samples: Samples) -> Indices:
     """Places of samples with a clock in a series of equal steps, shape (n,)."""
-    if isinstance(samples, Moving):
+    if isinstance(samples, MovingSamples):
         return samples.places
     step = max(float(np.median(np.diff(samples.t))), 1e-9)
     return np.asarray(np.rint((samples.t - samples.t[0]) / step), dtype=np.int64)

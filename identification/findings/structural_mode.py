@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.estimation.alternatives import Remainder
 from identification.finding import Finding, Kind, note, warning
 from identification.findings.left_out import STEP, LeftOut
-from identification.samples.moving import SMOOTHED, Run
+from identification.samples.moving import SMOOTHED, MovingRun
 from identification.samples.samples import Fitted
 from identification.signals import white_noise
 from identification.texts import parameter_phrase
@@ -57,7 +57,7 @@ class Ringing(NamedTuple):
 def mode_of(fitted: Fitted) -> Mode | None:
     """The mode that forces of a moving run show; None where they show none."""
     run = fitted.samples
-    if not isinstance(run, Run):
+    if not isinstance(run, MovingRun):
         return None
     behind = _widely(run)
     oscillation = behind.series(fitted.at, fitted.fit.values[: len(run.model.names)])
@@ -93,7 +93,7 @@ def mode_of(fitted: Fitted) -> Mode | None:
     return Mode(frequency, max(decay, 0.0) / (2.0 * np.pi * frequency))
 
 
-def _widely(run: Run) -> Run:
+def _widely(run: MovingRun) -> MovingRun:
     """The same samples behind a wider filter, which passes unchanged what is looked at."""
     wide = run.filter._replace(cutoff=min(WIDER * run.filter.cutoff, MOST / run.filter.step))
     shift = max(run.filter.margin - wide.margin, 0)
@@ -115,7 +115,7 @@ def by_other_sharpening(mode: Mode, fitted: Fitted) -> Array:
     forces, of which the second, which is estimated, takes up a part. Zero where no sharpening was estimated.
     """
     fit, run = fitted.fit, fitted.samples
-    if not isinstance(run, Run) or run.nuisances != SMOOTHED:
+    if not isinstance(run, MovingRun) or run.nuisances != SMOOTHED:
         return np.zeros(len(fit.values))
     place = len(run.model.parameters)
     along = fit.covariance[:, place] / fit.covariance[place, place]

@@ -18,7 +18,7 @@ from identification.results.expected_errors import Errors, effects_in, errors_of
 from identification.results.frames import Place, mounting_by
 from identification.results.result import Result
 from identification.samples.clocks import on_one_clock
-from identification.samples.moving import Run
+from identification.samples.moving import MovingRun
 from identification.samples.moving_window import moving_run
 from identification.samples.sample_checks import unmeasured
 from identification.samples.samples import MotionOfSamples
@@ -140,7 +140,7 @@ def used_samples(recording: Recording, result: Result, whole: bool) -> Used:
     return Used(result, case, run.t, residuals, motion, noise, late, findings + run.window, recording.origin)
 
 
-def motion_of(run: Run, delay: float) -> MotionOfSamples:
+def motion_of(run: MovingRun, delay: float) -> MotionOfSamples:
     """How the load moves at the samples of a run, with its drives, behind the filter of the case."""
     assert run.recording.drives is not None
     place, speed, acceleration = decimated(

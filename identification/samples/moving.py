@@ -29,7 +29,7 @@ from identification.machines.hexapod import StrutsDoNotClose
 from identification.machines.machine import Kinematics, Machine
 from identification.model.model import expected_forces, regressors
 from identification.recording.recording import Recording
-from identification.samples.samples import MOST_DELAY, MotionOfSamples, Moving
+from identification.samples.samples import MOST_DELAY, MotionOfSamples, MovingSamples
 from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part, white_noise
 
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
@@ -40,7 +40,7 @@ DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run(Moving):
+class MovingRun(MovingSamples):
     """A moving run, ready to be evaluated at any delay between forces and motion."""
 
     recording: Recording
@@ -49,7 +49,7 @@ class Run(Moving):
     nuisances: tuple[str, ...] = ("delay",)  # or `SMOOTHED`
     # filtered samples that damage or a gap disturbs, shape (samples of the recording less two margins,)
     spoilt: Flags | None = None
-    each: ClassVar[tuple[str, ...]] = (*Moving.each, "rows")
+    each: ClassVar[tuple[str, ...]] = (*MovingSamples.each, "rows")
 
     def at(self, rows: Indices) -> Self:
         """The run evaluated at other filtered samples, shape (n,)."""
@@ -218,7 +218,7 @@ def signals_at(recording: Recording, low_pass: Filter, rows: Indices) -> tuple[A
 SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
 CLEAR = 3.0  # standard deviations of b from which it is reported
 BLOCK = 100_000  # rows that are looked at for that noise, and to which it is added at a time: limits the memory
-BANDS = (2.0, 4.0, 8.0)  # by which the band of `Run.motion` is narrower than that of the fit
+BANDS = (2.0, 4.0, 8.0)  # by which the band of `MovingRun.motion` is narrower than that of the fit
 CALM = 0.05  # of the second derivatives of accelerations, that may be noise of the drives
 MOST_OF_IT = 0.6  # of a run, that a longer filter has to leave
 
@@ -242,7 +242,7 @@ def calm(low_pass: Filter, drives: Array, noise: Array, turns: Flags, order: int
     return all(acceleration_noise[kind].max() <= CALM * snaps[kind].max() for kind in kinds)
 
 
-def _worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:
+def _worth_smoothing(run: MovingRun, fit: Fit, basis: Array, w: Array, delay: float) -> bool:
     """Whether b is worth an estimate: where it is known more closely than sampling can make it, or clear.
 
     Elsewhere neglecting b biases parameters by less than estimating it would widen them. Noise of the struts looks like

@@ -13,7 +13,7 @@ from identification.machines.of_case import machine_of
 from identification.model.model import Model
 from identification.recording.formats.sampling import MOST_PUT_BACK
 from identification.recording.recording import Recording
-from identification.samples.moving import Run, signals_at
+from identification.samples.moving import MovingRun, signals_at
 from identification.samples.sample_checks import bridged
 from identification.samples.samples import MOST_DELAY
 from identification.signals import Filter, white_noise
@@ -31,7 +31,7 @@ MOST_LEFT_OUT = 0.5  # share of the motion lost to damage and the filter's reach
 MOST_BRIDGED = MOST_PUT_BACK
 
 
-def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False) -> Run:
+def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False) -> MovingRun:
     """A moving run with its window; filtered samples that missing ones disturb are left out.
 
     Args:
@@ -84,7 +84,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
             code=Code.TOO_FEW,
         )
     t, recorded, forces = signals_at(recording, low_pass, rows)
-    return Run(
+    return MovingRun(
         model=model, t=t, recorded=recorded, forces=forces, recorded_count=len(window), window=warnings,
         filter=low_pass, recording=recording, machine=machine_of(case), rows=rows, spoilt=invalid,
     )  # fmt: skip

@@ -165,7 +165,7 @@ class Samples(ABC):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Moving(Samples):
+class MovingSamples(Samples):
     """Samples of a run that moves, behind a low-pass."""
 
     filter: Filter

@@ -15,7 +15,7 @@ from identification.machines.of_case import machine_of
 from identification.model.model import Model
 from identification.options import TreatmentOptions
 from identification.recording.recording import Recording
-from identification.samples.moving import Run
+from identification.samples.moving import MovingRun
 from identification.samples.moving_window import moving_run
 
 NOT_PERIODIC = 2e-3  # rms of what a Fourier series leaves of a coordinate, over the largest range of its like
@@ -83,7 +83,7 @@ class Treatment(TreatmentOptions):
             parts.append(f"a low-pass at {self.cutoff:g} Hz" if math.isfinite(self.cutoff) else wide)
         return ", ".join(parts) or "as by default"
 
-    def run(self, recording: Recording, case: Case, model: Model) -> Run:
+    def run(self, recording: Recording, case: Case, model: Model) -> MovingRun:
         """The samples of a moving run.
 
         Raises:
@@ -111,7 +111,7 @@ class Treatment(TreatmentOptions):
         most = np.maximum(sizes.max(axis=1, keepdims=True), np.finfo(float).tiny)
         return samples.without(np.max(sizes / most, axis=0) < self.accelerated)
 
-    def _periodic(self, recording: Recording, case: Case, samples: Run) -> Recording:
+    def _periodic(self, recording: Recording, case: Case, samples: MovingRun) -> Recording:
         """The run with the motion of its excitation replaced by the Fourier series (34) of each coordinate."""
         assert recording.t is not None
         assert recording.drives is not None

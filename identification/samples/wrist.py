@@ -28,7 +28,7 @@ from identification.recording.recording import Recording
 from identification.samples.moving import BANDS, DELAY_STEP, MOST_OF_IT, calm
 from identification.samples.moving_window import about_left_out, spoilt_by
 from identification.samples.sample_checks import bridged
-from identification.samples.samples import MOST_DELAY, MotionOfSamples, Moving
+from identification.samples.samples import MOST_DELAY, MotionOfSamples, MovingSamples
 from identification.signals import Filter, Residuals, white_noise
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving
@@ -36,7 +36,7 @@ LEAST_ROWS = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WristRun(Moving):
+class WristRun(MovingSamples):
     """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion."""
 
     quaternion: CubicSpline  # quaternion of R over time, filtered

@@ -10,7 +10,7 @@ from identification.machines.casadi_batch import over_samples
 from identification.machines.of_case import machine_of
 from identification.motion.motion import Trajectory, sample
 from identification.results.estimate import Estimate
-from identification.samples.moving import Run
+from identification.samples.moving import MovingRun
 
 RATE = 200.0  # [1/s] at which a plan is drawn
 POINTS = 700  # of a line: there are twelve on a page
@@ -31,7 +31,7 @@ def planned_accelerations(case: Case, motion: Trajectory, begins: float = 0.0) -
 def measured_accelerations(estimate: Estimate) -> Accelerations | None:
     """Those of a run by its drives, behind the evaluation's filter; None where nothing moves, or it is not known."""
     samples, at = estimate.samples, estimate.at
-    if isinstance(samples, Run):
+    if isinstance(samples, MovingRun):
         return samples.t, samples.kinematics(at).twist_rate
     motion = samples.motion(at)
     if motion is None or motion.by_accelerometer or not samples.nuisances:

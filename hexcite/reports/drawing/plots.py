@@ -11,7 +11,7 @@ from cases.machine import turned
 from cases.schema import Case
 from hexcite.reports.drawing.outline import SAME_PLACE, outline, together, where
 from hexcite.reports.drawing.scene import box_outlines, room
-from hexcite.reports.drawing.still import Shown
+from hexcite.reports.drawing.still import NotebookFigure
 
 
 def case_figure(case: Case) -> Figure:
@@ -20,7 +20,7 @@ def case_figure(case: Case) -> Figure:
     Joints and sensors are numbered or named; of a hexapod, radii and heights of its rings and the lengths of its struts
     at home, which a control displays too, stand beside it.
     """
-    figure = Shown(figsize=(13, 8), layout="constrained")
+    figure = NotebookFigure(figsize=(13, 8), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     space: Axes3D = figure.add_subplot(grid[:, 0], projection="3d")
     above, side = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])

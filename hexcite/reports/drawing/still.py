@@ -35,7 +35,7 @@ MOST_PICTURES = 6  # of a machine in some of its poses
 SIDE, ALONE = 2.3, 4.4  # width and height of each of these, and of a single one [inch]
 
 
-class Shown(Figure):
+class NotebookFigure(Figure):
     """A figure that a notebook shows, also where nothing has set matplotlib up for it."""
 
     def _repr_png_(self) -> bytes:
@@ -55,7 +55,7 @@ def drawn(charts: Sequence[Chart]) -> Figure:
     heights = [max(chart.height for chart in row) / PIXELS for row in rows]
     width = HALF if all(len(row) == 1 and row[0].half for row in rows) else WIDE
     with mpl.rc_context(STYLE):
-        figure = Shown(figsize=(width, sum(heights)), layout="constrained")
+        figure = NotebookFigure(figsize=(width, sum(heights)), layout="constrained")
         stack = figure.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)[:, 0]
         for row, below in zip(rows, stack, strict=True):
             for chart, part in zip(row, below.subfigures(1, len(row), squeeze=False)[0], strict=True):
@@ -160,7 +160,7 @@ def machine_figure(scene: Scene) -> Figure:
     columns = min(3, len(frames))
     side = SIDE if len(frames) > 1 else ALONE
     with mpl.rc_context(STYLE):
-        figure = Shown(figsize=(columns * side, -(-len(frames) // columns) * side), layout="constrained")
+        figure = NotebookFigure(figsize=(columns * side, -(-len(frames) // columns) * side), layout="constrained")
         for place, k in enumerate(frames, 1):
             axes: Axes3D = figure.add_subplot(-(-len(frames) // columns), columns, place, projection="3d")
             _draw_machine(axes, scene, int(k), small=len(frames) > 1)

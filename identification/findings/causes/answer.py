@@ -209,8 +209,8 @@ def _what_to_do(cause: Cause, case: Case) -> Phrase:
 
 def _named(causes: list[Cause], found: Search, case: Case) -> Phrase:
     named = [cause.entry for cause in causes]
-    residual = named[0].left()
-    before = None if found.recorded is None else found.recorded.left()
+    residual = named[0].residual_forces()
+    before = None if found.recorded is None else found.recorded.residual_forces()
     words = enumerated("or", [cause.words for cause in causes])
     if before is None or found.recorded is None or not np.isfinite(found.recorded.residuals):
         smaller = phrase("small", "small")
@@ -233,7 +233,7 @@ def _tried(found: Search, case: Case) -> Phrase:
     drives = phrase(case.drive_words[0], case.drive_words[0])
     families = enumerated("comma", [phrase(f"family_{f.name.lower()}", f.value, drives=drives) for f in found.families])
     if found.recorded is not None and np.isfinite(found.recorded.residuals):
-        before = found.recorded.left()
+        before = found.recorded.residual_forces()
         phrase_of_residual = phrase(
             "residuals_of",
             "residuals of {newtons} N, where noise makes {noise} N",
@@ -257,6 +257,6 @@ def _tried(found: Search, case: Case) -> Phrase:
         "least_left",
         "{nothing}; least is left, {newtons} N, if {words}",
         nothing=nothing,
-        newtons=f"{found.best.left().newtons:.2g}",
+        newtons=f"{found.best.residual_forces().newtons:.2g}",
         words=words_of(found.best.trial),
     )

@@ -230,7 +230,7 @@ def refined(
     """
     starts = [(sized, np.array(start)) for sized in families for start in sized.starts]
     on, on_all = _Prefixed(coarse, prefix), _Prefixed(instants, prefix)
-    residuals = on.left(starts)
+    residuals = on.residuals_of(starts)
     points: list[_Point] = []
     for sized in families:
         positions = [k for k, (other, _) in enumerate(starts) if other is sized and np.isfinite(residuals[k])]
@@ -269,7 +269,7 @@ def _stepped(on: "_Prefixed", points: Sequence[_Point], shrunk: float) -> list[_
         steps = np.diag(point.sized.steps)[np.flatnonzero(point.sized.steps)] * shrunk
         trial_sizes += [(point.sized, point.proposed + step) for step in (0.0 * steps[0], *steps, *-steps)]
         trial_sizes.append((point.sized, point.size))
-    residuals, results = list(on.left(trial_sizes)), []
+    residuals, results = list(on.residuals_of(trial_sizes)), []
     for point in points:
         moved = np.flatnonzero(point.sized.steps)
         values, before = np.array([residuals.pop(0) for _ in range(1 + 2 * len(moved))]), residuals.pop(0)
@@ -302,8 +302,8 @@ class _Prefixed:
         """The model under what is taken for granted."""
         return fits_of(self.instants, [self.prefix])
 
-    def left(self, wanted: Sequence[tuple[Sized, Array]]) -> Array:
-        """What some sizes of families leave; infinity where they are not mistakes."""
+    def residuals_of(self, wanted: Sequence[tuple[Sized, Array]]) -> Array:
+        """Residuals under some sizes of families, over the noise; infinity where they are not mistakes."""
         hypotheses = [sized.make(size) for sized, size in wanted]
         residuals = np.full(len(hypotheses), np.inf)
         in_sensor = not any(hypothesis.in_base for hypothesis in self.prefix)
@@ -314,7 +314,7 @@ class _Prefixed:
         if columns:
             before = np.linalg.inv(channels_of(self.prefix))  # the fits have it already
             channels = [channels_of(together(*self.prefix, *_alone(hypotheses[k]))) @ before for k in columns]
-            residuals[columns] = self.fits.left(np.array(channels)).residuals[0]
+            residuals[columns] = self.fits.outcome_with(np.array(channels)).residuals[0]
         if rows:
             changes = [together(*self.prefix, *_alone(hypotheses[k])) for k in rows]
             residuals[rows] = tried(self.instants, changes, [AS_RECORDED]).residuals[:, 0]

@@ -43,7 +43,7 @@ def late_forces(
     wide = np.arange(-LATEST, LATEST + COARSE / 2, COARSE)
     alone = _nearest(instants, recording, wide, [AS_RECORDED])
     beside = _nearest(instants, recording, wide, [(other,) for other in others])
-    clearer = beside is not None and (alone is None or beside.left < CLEARER * alone.left)
+    clearer = beside is not None and (alone is None or beside.residual < CLEARER * alone.residual)
     found = beside if clearer else alone
     if found is None or abs(found.place) < MOST_DELAY - COARSE:
         return None
@@ -84,7 +84,7 @@ class _Nearest(NamedTuple):
 
     place: float  # [s] after the motion
     trial: Trial  # of the motion
-    left: float  # weighted squares of the forces that it leaves
+    residual: float  # weighted squares of the forces that it leaves
 
 
 def _nearest(instants: Instants, recording: Recording, places: Array, trials: Sequence[Trial]) -> _Nearest | None:
@@ -106,10 +106,10 @@ def _nearest(instants: Instants, recording: Recording, places: Array, trials: Se
             continue
         directions, strengths, _ = np.linalg.svd(made * column_scale(made), full_matrices=False)
         basis, flat = directions[:, strengths > SAME_COLUMN * strengths[0]], weighted.reshape(len(made), -1)
-        left = np.sum((flat - basis @ (basis.T @ flat)).reshape(weighted.shape) ** 2, axis=(0, 1))
-        if best is None or left.min() < best.left:
-            similar = places[left <= SIMILAR**2 * left.min()]
-            best = _Nearest(float(min(similar, key=abs)), trial, float(left.min()))
+        residuals = np.sum((flat - basis @ (basis.T @ flat)).reshape(weighted.shape) ** 2, axis=(0, 1))
+        if best is None or residuals.min() < best.residual:
+            similar = places[residuals <= SIMILAR**2 * residuals.min()]
+            best = _Nearest(float(min(similar, key=abs)), trial, float(residuals.min()))
     return best
 
 

@@ -32,7 +32,7 @@ from identification.findings.causes.instants import Instants, instants_of
 from identification.findings.causes.lateness import late_forces
 from identification.findings.causes.leaps import leaps_of
 from identification.findings.causes.readings import of_recording
-from identification.findings.causes.trials import Left, closing, left_by, moments_about, tried
+from identification.findings.causes.trials import ResidualForces, closing, moments_about, residual_forces, tried
 from identification.model.model import Model
 from identification.recording.recording import Recording
 
@@ -77,9 +77,9 @@ class Tried:
         level = LEVEL * float(np.mean(self.instants.least / self.instants.noise))
         return float(np.hypot(self.residuals, level)) * WORSE ** (len(self.trial) - 1)
 
-    def left(self) -> Left:
+    def residual_forces(self) -> ResidualForces:
         """The same in newtons."""
-        return left_by(self.instants, self.trial, self.delay)
+        return residual_forces(self.instants, self.trial, self.delay)
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,7 +230,7 @@ def _most_left(before: float, noise: float = 1.0) -> float:
 
 def _noise_of(entry: Tried) -> float:
     """What noise of the forces and of the recorded drives makes of a trial, over that of the forces."""
-    return float(np.hypot(1.0, entry.left().shaking))
+    return float(np.hypot(1.0, entry.residual_forces().shaking))
 
 
 def _equal(one: Tried, other: Tried) -> bool:

@@ -80,7 +80,7 @@ def tried(instants: Instants, changes: Sequence[Trial], channels: Sequence[Trial
     for which in (plain, others):  # those that leave the forces as they were recorded share them
         for start in range(0, len(which), size):
             part = which[start : start + size]
-            outcome = fits_of(instants, [changes[k] for k in part]).left(matrices)
+            outcome = fits_of(instants, [changes[k] for k in part]).outcome_with(matrices)
             residuals[part], delays[part] = outcome
     return Outcome(residuals, delays)
 
@@ -136,7 +136,7 @@ class Fits:
         return np.asarray(by_delay @ by_delay.transpose(0, 1, 3, 2))
 
     @cached_property
-    def shown(self) -> Array:
+    def shares_by_channel(self) -> Array:
         """What channel a in the place of channel i shows of each direction of the basis, shape (H, u, 36, D)."""
         count, unknowns, _, n = self.whole.shape
         right = self.forces.reshape(len(self.forces), n, -1)
@@ -147,7 +147,7 @@ class Fits:
         """What lies along the basis from what lies along the rows, shapes (H, u, k)."""
         return along if self.whiten is None else np.asarray(self.whiten @ along)
 
-    def left(self, matrices: Array) -> Outcome:
+    def outcome_with(self, matrices: Array) -> Outcome:
         """What the changes leave where forces are multiplied by matrices, shape (J, 6, 6), behind what they make.
 
         Residuals are over the noise that the matrices make of that of the forces, on an average over the channels.
@@ -167,8 +167,8 @@ class Fits:
 
     def _explained(self, matrices: Array) -> Array:
         """How much of the forces, changed by each matrix, lies along the basis, shape (H, u, J, D)."""
-        if len(matrices) >= FEW or "shown" in self.__dict__:
-            return np.asarray(matrices.reshape(-1, 36) @ self.shown)
+        if len(matrices) >= FEW or "shares_by_channel" in self.__dict__:
+            return np.asarray(matrices.reshape(-1, 36) @ self.shares_by_channel)
         count, unknowns, _, n = self.whole.shape
         flat = self.whole.reshape(count, unknowns, 6 * n)
         forces = (self.forces if np.array_equal(m, np.eye(6)) else m @ self.forces for m in matrices)
@@ -288,7 +288,7 @@ def _about(fits: Fits, trials: Sequence[Trial]) -> Iterator[About]:
             continue
         later = channels_of(trial, after)
         columns = np.concatenate([np.eye(6)[None], later @ metres @ np.linalg.inv(later)])
-        along = np.einsum("jp,upd->dju", columns.reshape(4, 36), fits.shown[k])
+        along = np.einsum("jp,upd->dju", columns.reshape(4, 36), fits.shares_by_channel[k])
         over = columns / fits.noise[k][:, None]
         products = fits.products[k if len(fits.products) > 1 else 0]
         squares = np.einsum("jia,dab,lib->djl", over, products, over, optimize=True) - along @ along.transpose(0, 2, 1)
@@ -454,15 +454,15 @@ def _forces(instants: Instants, changes: Sequence[Trial], own: Array, rotations:
     return np.asarray(forces)
 
 
-class Left(NamedTuple):
-    """What a trial leaves at the delay at which it leaves least."""
+class ResidualForces(NamedTuple):
+    """Forces that a trial leaves unexplained, at the delay at which it leaves least."""
 
     newtons: float  # rms of the residuals of forces [N]
     noise: float  # what noise of the forces and of the recorded drives makes of it [N]
     shaking: float  # what noise of the recorded drives makes of the forces, over their noise
 
 
-def left_by(instants: Instants, trial: Trial, delay: float) -> Left:
+def residual_forces(instants: Instants, trial: Trial, delay: float) -> ResidualForces:
     """Residuals of a trial in newtons, beside what noise makes."""
     regressors, motion = regressors_of(instants, [trial])
     channels = channels_of(trial)
@@ -470,7 +470,7 @@ def left_by(instants: Instants, trial: Trial, delay: float) -> Left:
     newtons = slice(0, 3 if instants.case.sensor_frame.has_moments else 6)
     of_noise = float(np.sqrt(np.mean(noise[newtons] ** 2)))
     if not motion.closed[0]:
-        return Left(np.inf, of_noise, 0.0)
+        return ResidualForces(np.inf, of_noise, 0.0)
     nearest = int(np.argmin(np.abs(instants.delays - delay)))
     forces = _forces(instants, [trial], channels[None], motion.rotations)[0]
     at = forces[nearest]
@@ -492,4 +492,4 @@ def left_by(instants: Instants, trial: Trial, delay: float) -> Left:
             change = (other_regressors[0] - regressors[0]) @ values
             shaking = float(np.sqrt(np.mean((change / noise) ** 2)))
             of_noise = float(np.hypot(of_noise, np.sqrt(np.mean(change[:, newtons] ** 2))))
-    return Left(float(np.sqrt(np.mean(residuals[:, newtons] ** 2))), of_noise, shaking)
+    return ResidualForces(float(np.sqrt(np.mean(residuals[:, newtons] ** 2))), of_noise, shaking)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from cases.base.errors import IdentificationError
 from identification.findings.causes.hypothesis import AS_RECORDED
 from identification.findings.causes.instants import instants_of
-from identification.findings.causes.trials import left_by
+from identification.findings.causes.trials import residual_forces
 from identification.identify import default_model, estimate_parameters, identify
 from identification.model.model import identification_model
 from identification.recording.recording import Recording
@@ -67,7 +67,7 @@ def test_trials_know_what_it_makes_of_the_forces() -> None:
     for size in (0.0, NOISE, 2.0 * NOISE):
         instants = instants_of(noisy(2, size), SOUND.case, model)
         assert instants is not None
-        shaking.append(left_by(instants, AS_RECORDED, 0.0).shaking)
+        shaking.append(residual_forces(instants, AS_RECORDED, 0.0).shaking)
     assert shaking[0] < 0.5
     assert shaking[1] > 1.0
     assert shaking[2] / shaking[1] == pytest.approx(2.0, rel=0.1)
