@@ -26,13 +26,13 @@ lint: .venv/.dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 
-docs: .venv/.dev ## the site docs/_build/index.html; tutorial and notebooks are run: what they show must be true
+docs: .venv/.dev ## the site docs/_build/index.html; tutorial, notebooks and scripts are run: what they show must be true
 	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs docs/_build
 	$(BIN)/pytest -q -m slow tests/docs
 
-bench: .venv/.dev ## the figures that matter, measured; minutes, not seconds
+bench: .venv/.dev ## the figures that matter, measured; minutes, not seconds; BENCH="--save FILE" and "--compare FILE" keep and compare them
 	$(BIN)/python -m pytest -m slow -q
-	$(BIN)/python tests/bench/figures.py
+	$(BIN)/python tests/bench/figures.py $(BENCH)
 
 .venv/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "hexcite needs Python 3.11 or newer; call make PYTHON=python3.11 ..."; exit 1; }

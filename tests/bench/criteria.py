@@ -4,7 +4,6 @@ from threading import Event
 from typing import Any
 
 from cases.schema import Case, load_case
-from hexcite.cli.console import print_table
 from identification.estimation.criteria import Criterion, reference_scaling, singular_values
 from identification.model.model import identification_model
 from identification.motion.motion import Trajectory
@@ -14,6 +13,7 @@ from planner.noise import mean_information
 from planner.plans.making import search
 from planner.request import Request
 from planner.search.parallel import silent, workers
+from tests.bench.tables import print_table
 
 MODEL = 9
 FREE: dict[str, Any] = {"free_order": True, "free_period": True}

@@ -92,6 +92,6 @@ if __name__ == "__main__":
     if len(sys.argv) > 1:
         _run(sys.argv[1:])
     else:
-        from hexcite.cli.console import print_table
+        from tests.bench.tables import print_table
 
         print_table("Files that a command runs through", COLUMNS, crossed(listed=True))

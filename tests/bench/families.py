@@ -8,9 +8,9 @@ from time import perf_counter
 import numpy as np
 
 from cases.schema import load_case
-from hexcite.cli.console import print_table
 from identification.model.model import identification_model
 from planner.bounds.bound import compute_bound
+from tests.bench.tables import print_table
 
 Command = Callable[..., tuple[float, str]]
 

@@ -1,5 +1,9 @@
-"""Measures the figures that users care about, from real runs, and prints them side by side. Run by `make bench`."""
+"""Measures the figures that users care about, from real runs, and prints them side by side. Run by `make bench`.
 
+`--save FILE` keeps the tables, `--compare FILE` says what differs from those that were kept.
+"""
+
+import argparse
 import json
 import subprocess
 import sys
@@ -14,7 +18,6 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 
 from cases.schema import load_case
 from hexcite._run import execute
-from hexcite.cli.console import print_table
 from identification.identify import estimate_parameters
 from identification.recording.recording import read, write_recording
 from identification.simulate import simulate_recording
@@ -39,6 +42,7 @@ from tests.bench.silent import silent_rows
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.size import sizes
 from tests.bench.study import study_rows
+from tests.bench.tables import Change, changes, load, print_table, printed, save
 from tests.bench.under_load import under_load_rows
 from tests.bench.validation import validation_rows
 from tests.bench.wall_times import wall_time_rows
@@ -131,21 +135,38 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
 
 
-def main() -> None:
-    """Prints all figures, each table as soon as it is measured."""
+def measure() -> Iterator[None]:
+    """Prints all figures, each table as soon as it is measured, and stops after each table or two."""
     sizes()
     print_table("Files that a command runs through", COLUMNS, crossed())
+    yield
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
+    yield
     portfolio()
+    yield
     searches(SEARCHED, FAMILIES, (0, 1, 2), None, ())
+    yield
     for title, rows in sections():
         print_table(title, ("figure", "measured", "wanted"), rows)
-        sys.stdout.flush()
-    criteria_table()
-    monte_carlo_table()
-    pose_tables()
-    robot_figures()
+        yield
+    for tables in (criteria_table, monte_carlo_table, pose_tables, robot_figures):
+        tables()
+        yield
+
+
+def main() -> None:
+    """Prints all figures, saves them and compares them with saved ones, as the options say."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--save", type=Path, metavar="FILE", help="keep all tables in a file (JSON)")
+    options.add_argument("--compare", type=Path, metavar="FILE", help="say what differs from those that were kept")
+    given = options.parse_args()
+    before = None if given.compare is None else load(given.compare)  # a file that cannot be read ends it at once
+    for _ in measure():
+        if given.save is not None:  # after each table: a bench that is stopped keeps what it has
+            save(given.save)
+    if before is not None:
+        print_table(f"Differences from {given.compare}", Change._fields, changes(before, printed))
 
 
 if __name__ == "__main__":

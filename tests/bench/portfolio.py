@@ -30,10 +30,10 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 
 from cases.base.atomic import write_text
 from cases.schema import load_case
-from hexcite.cli.console import print_table
 from tests.bench.machines.description import Hexapod, reachable, write_machine
 from tests.bench.machines.designed import DESIGNED
 from tests.bench.machines.drawn import drawn
+from tests.bench.tables import print_table
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 BEST_KNOWN = Path(__file__).parent / "machines" / "best_known.json"

@@ -17,12 +17,12 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 
 from cases.schema import load_case
 from cases.tables import find_case
-from hexcite.cli.console import print_table
 from identification.machines.casadi_batch import over_samples
 from identification.model.model import identification_model
 from identification.model.parameters import body_parameters, physical_form
 from identification.motion.motion import Trajectory
 from planner.plans.plan import Plan
+from tests.bench.tables import print_table
 from tests.helpers import pose_covariance
 
 Command = Callable[..., tuple[float, str]]

@@ -6,13 +6,13 @@ import tracemalloc
 import numpy as np
 
 from cases.schema import load_case
-from hexcite.cli.console import print_table
 from identification.estimation.criteria import Criterion, candidate_scaling, pose_regressors
 from identification.model.model import identification_model
 from planner.poses.planned_poses import grid_candidates, poses_planned, sampled_candidates
 from planner.poses.removal import reduce_best
 from planner.request import PoseRequest
 from tests.bench import table_3, table_5
+from tests.bench.tables import print_table
 
 MANY = 20_000
 

@@ -16,7 +16,6 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 from cases.schema import load_case
-from hexcite.cli.console import print_table
 from identification.estimation.criteria import reference_scaling
 from identification.model.model import identification_model
 from planner.bounds.bound import information_limit
@@ -27,6 +26,7 @@ from planner.plans.making import make
 from planner.request import Request
 from planner.search.feasibility import keep_limits
 from planner.search.parallel import run_here, silent
+from tests.bench.tables import print_table
 from tests.random_start import random_start
 
 ROBOTS = Path(__file__).parent / "robots"

@@ -21,11 +21,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from hexcite.cli.console import print_table
 from planner.families.settings import Best
 from tests.bench.machines.description import write_machine
 from tests.bench.machines.designed import DESIGNED
 from tests.bench.portfolio import command, machine
+from tests.bench.tables import print_table
 
 ROBOTS = Path(__file__).parent / "robots"
 BUILT_IN = ("hexapod", "ur10_wrist", "five_axis_table")

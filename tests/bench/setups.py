@@ -21,12 +21,12 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 import hexcite as hx
 from cases.schema import Case, load_case
 from cases.sensors import SensorFrame, Transducer, together
-from hexcite.cli.console import print_table
 from identification.machines.casadi_batch import over_samples
 from identification.model.blocks import RIGID
 from identification.model.model import identification_model
 from identification.model.parameters import body_parameters, physical_form
 from identification.motion.motion import sample
+from tests.bench.tables import print_table
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from hexcite.cli.console import print_table
+from tests.bench.tables import print_table
 
 ROOT = Path(__file__).parents[2]
 
