@@ -99,10 +99,10 @@ class Payload(NamedTuple):
         if both is None:
             return self.loaded.case_as_told
         together, keys = Together.of(*both), list(both[0].counts)
-        stated = stated_sizes(self.loaded)
-        one, other = (np.concatenate([of.sizes[k] / stated[k] for k in keys]) for of in (self.empty, self.loaded))
+        deviations = stated_sizes(self.loaded)
+        one, other = (np.concatenate([of.sizes[k] / deviations[k] for k in keys]) for of in (self.empty, self.loaded))
         parts = np.split(together.first @ one + together.second @ other, np.cumsum(list(both[0].counts.values()))[:-1])
-        return edited(self.loaded.case, {k: part * stated[k] for k, part in zip(keys, parts, strict=True)})
+        return edited(self.loaded.case, {k: part * deviations[k] for k, part in zip(keys, parts, strict=True)})
 
     @property
     def source(self) -> str:
@@ -237,7 +237,9 @@ def require_two(before: Result, after: Result) -> None:
     Raises:
         IdentificationError: both results are of the same files.
     """
-    if before.source == after.source or (before.recordings and before.recordings == after.recordings):
+    # Runs that were never saved have no files; they may have one name, but no two have the same figures.
+    files = before.recordings and after.recordings
+    if (before.recordings == after.recordings) if files else (before.fingerprint == after.fingerprint):
         raise IdentificationError(
             place=after.source,
             problem=phrase("same_recording", "is of the same recording as {other}", other=before.source),

@@ -9,7 +9,7 @@ import pytest
 from tests.docs.test_links import GENERATED
 
 ROOT = Path(__file__).parents[2]
-NAMES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CONVENTIONS.md")
+NAMES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CONVENTIONS.md", "examples/README.md")
 PAGES = [*(ROOT / name for name in NAMES), *sorted((ROOT / "docs").rglob("*.md"))]
 LONGEST = 120
 WHOLE = re.compile(r" *\||!\[| {4}")  # rows of tables, pictures and code cannot be broken

@@ -6,8 +6,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONVENTIONS.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
-GENERATED = {"commands.md", "python.md", "case.md", "units.md"}
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONVENTIONS.md",
+    ROOT / "CHANGELOG.md",
+    ROOT / "examples/README.md",
+    *sorted((ROOT / "docs").rglob("*.md")),
+]
+GENERATED = {"commands.md", "python.md", "case.md", "units.md", "formulas.md"}
 
 
 @pytest.mark.parametrize("page", [p for p in PAGES if "_build" not in p.parts and p.name not in GENERATED], ids=str)

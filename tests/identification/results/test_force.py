@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.base.errors import FileProblem, HexciteError, IdentificationError
+from cases.base.errors import Code, FileProblem, HexciteError, IdentificationError
 from cases.base.text_formats import json_text
 from cases.basis import COMPUTED_FROM, result_basis
 from cases.schema import load_case
@@ -198,6 +198,17 @@ def test_one_recording_is_not_taken_for_two(saved: Result) -> None:
         require_two(first, again)
     one_line(caught.value)
     require_two(first, other)
+
+
+def test_runs_that_were_never_saved_are_told_apart_by_their_figures(saved: Result) -> None:
+    """Two simulated runs have one name, and no files."""
+    first = replace(saved, file=None, record=saved.record.replaced(inputs=()))
+    other = replace(first, record=first.record.replaced(s0=first.record.s0 * 1.01))
+    assert first.source == other.source
+    require_two(first, other)
+    with pytest.raises(IdentificationError) as caught:
+        require_two(first, replace(first))
+    assert caught.value.code is Code.OTHER_SOURCE
 
 
 def test_no_payload_is_no_payload(saved: Result) -> None:
