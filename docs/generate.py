@@ -14,11 +14,25 @@ from cases.scaffold import explanations
 from cases.schema import Case
 from cases.tables import LARGEST, Part
 
+FORMULAS = {
+    "What is measured": (
+        "automethod:: identification.model.model.Model.expression",
+        "autofunction:: identification.model.model.expected_forces",
+    ),
+    "What is estimated": ("autofunction:: identification.estimation.fit.gauss_markov",),
+    "What is optimised": (
+        "autofunction:: identification.estimation.criteria.information",
+        "autofunction:: identification.estimation.criteria.reference_scaling",
+        "autoclass:: identification.estimation.criteria.Criterion",
+    ),
+}
+
 
 def write_reference(folder: Path) -> None:
-    """Writes commands.md, python.md, case.md and units.md, each only where it changes."""
+    """Writes the pages that follow from the code, each only where it changes."""
     pages = {
         "commands.md": commands_page(), "python.md": python_page(), "case.md": case_page(), "units.md": units_page(),
+        "formulas.md": formulas_page(),
     }  # fmt: skip
     for name, text in pages.items():
         file = folder / name
@@ -46,6 +60,18 @@ def python_page() -> str:
         where = f"{thing.__module__}.{thing.__qualname__}"
         directive = f"autoclass:: {where}\n   :members:" if isinstance(thing, type) else f"autofunction:: {where}"
         lines += [f"## hx.{name}", "", "```{eval-rst}", f".. {directive}", "```", ""]
+    return "\n".join(lines)
+
+
+def formulas_page() -> str:
+    """The functions in which the measurement, the estimate and what is optimised are written."""
+    lines = ["# Formulas in the source", ""]
+    lines += ["The functions that hold the [model](../explanation/model.md), as they say it themselves. Numbers in"]
+    lines += ["brackets are [equations of the paper](paper.md).", ""]
+    for title, directives in FORMULAS.items():
+        lines += [f"## {title}", ""]
+        for directive in directives:
+            lines += ["```{eval-rst}", f".. {directive}", "```", ""]
     return "\n".join(lines)
 
 

@@ -21,7 +21,14 @@ from identification.model.model import Model, regressors
 
 
 class Criterion(StrEnum):
-    """Criteria of Table 4, by their letters, as values that are better the larger they are."""
+    r"""Criteria of Table 4, by their letters, as values that are better the larger they are.
+
+    .. math::
+        A = -\mathrm{trace} F^{-1}, \qquad D = \log\det F, \qquad
+        K = -\frac{\mu_1}{\mu_u}, \qquad N = \frac{\mu_u^2}{\mu_1}
+
+    with the singular values :math:`\mu_1 \geq \dots \geq \mu_u` of the scaled regressor, (30) to (33).
+    """
 
     A = "A"
     D = "D"
@@ -112,7 +119,10 @@ def uniform_states(case: Case, count: int, seed: int) -> tuple[Array, Array, Arr
 
 
 def reference_scaling(case: Case, model: Model) -> Array:
-    """H*: one over the RMS of each regressor column, over 20 000 seeded uniform states of the box, shape (u,).
+    r"""H*: one over the RMS of each regressor column, over 20 000 seeded uniform states of the box, shape (u,).
+
+    .. math::
+        H^*_j = \left( \frac{1}{N} \sum_{k=1}^{N} \sum_{i=1}^{6} A_{ij}^2(q_k, \dot{q}_k, \ddot{q}_k) \right)^{-1/2}
 
     The paper's own scaling (26) depends on the motion at hand, so that criteria of two motions could not be compared.
     """
@@ -122,7 +132,7 @@ def reference_scaling(case: Case, model: Model) -> Array:
 
 
 def information(model: Model, scaling: Array, states: tuple[Array, Array, Array]) -> Array:
-    """Mean of H A^T A H over states (equal sensors, W = 1), shape (u, u)."""
+    r"""Mean of :math:`H A^T A H` over states (equal sensors, W = 1), shape (u, u)."""
     matrices = over_samples(model.coordinate_regressor, *states)[0].reshape(-1, len(scaling)) * scaling
     return np.asarray(matrices.T @ matrices / len(states[0]))
 

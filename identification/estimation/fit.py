@@ -238,8 +238,13 @@ def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
 
 
 def gauss_markov(regression: Regression, weights: Array) -> Fit:
-    """Weighted least squares with W the same diagonal at every sample.
+    r"""Weighted least squares with W the same diagonal at every sample, (24), (27) and (28).
 
+    .. math::
+        \hat{u} = F^{-1} \sum_k A_k^T W f_k, \qquad F = \sum_k A_k^T W A_k, \qquad
+        C = s^2 F^{-1}, \qquad s^2 = \frac{\sum_k r_k^T W r_k}{m n - u}, \qquad r_k = f_k - A_k \hat{u}
+
+    for n samples of m = 6 forces that were not filtered.
     Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
     the unfiltered problem for all noise in the pass band. White noise of variance s^2 then leaves residuals of
     variance gain s^2, of which every stride-th is used: chi^2 / (m n gain - u / stride) estimates s^2, and s^2 /

@@ -89,7 +89,15 @@ class Model:
         return INERTIA in self.blocks
 
     def expression(self, position: ca.SX, turn: ca.SX, motion: ca.SX, motion_rate: ca.SX) -> ca.SX:
-        """A of (21) for one sample, shape (6, u).
+        r"""A of (21) for one sample, shape (6, u), written once for planner, estimator and exported code.
+
+        .. math::
+            A u = J^T \begin{pmatrix} m s + (S(\alpha) + S(\omega)^2) m c \\
+            m c \times s + I \alpha + \omega \times I \omega \end{pmatrix} + f_{q0} + f_K,
+            \qquad s = R^T (\dot{v} - g)
+
+        in the axes of {P}: mass m, first moment m c, inertia I about the origin, offsets and elastic deformation, all
+        of them linear in u; S(a) b = a x b.
 
         Args:
             position: origin of {P} in {B}, shape (3,) [m].
@@ -179,7 +187,7 @@ def regressors(model: Model, kinematics: Kinematics) -> Array:
 
 
 def expected_forces(model: Model, kinematics: Kinematics, values: Array) -> Array:
-    """A u for every sample of a motion, shape (n, 6)."""
+    r"""Forces :math:`A u` (23) for every sample of a motion, shape (n, 6) [N, or N and N m]."""
     u = np.broadcast_to(values, (len(kinematics.pose), len(values)))
     return over_samples(model.pose_forces, kinematics.pose, kinematics.twist, kinematics.twist_rate, u)[0]
 
