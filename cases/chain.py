@@ -78,8 +78,8 @@ class Joint(Frame):
 
     @model_validator(mode="after")
     def _of_its_kind(self) -> "Joint":
-        own, other = ("deg", "mm") if self.turns else ("mm", "deg")
-        position, home = f"position_{own}", f"home_{own}"
+        unit, other = ("deg", "mm") if self.turns else ("mm", "deg")
+        position, home = f"position_{unit}", f"home_{unit}"
         foreign = [f"position_{other}", f"home_{other}", "force_N" if self.turns else "torque_Nm"]
         for key in (*foreign, position) if self.kind == "continuous" else foreign:
             if getattr(self, key) is not None:
@@ -144,8 +144,8 @@ class Joint(Frame):
     @property
     def home(self) -> float:
         """Where programs begin and end [rad or m]; nan where the case states none, nor limits of motion."""
-        stated = self.home_deg if self.turns else self.home_mm
-        return math.nan if stated is None else stated * self.unit
+        position = self.home_deg if self.turns else self.home_mm
+        return math.nan if position is None else position * self.unit
 
     @property
     def effort(self) -> float:
@@ -275,17 +275,17 @@ class JointLimit(Part):
 
     @model_validator(mode="after")
     def _complete(self) -> "JointLimit":
-        stated = {
+        present = {
             key for kind in (_TURNING, _SLIDING) for keys in kind for key in keys if getattr(self, key) is not None
         }
-        turning, sliding = ([key for keys in kind for key in keys if key in stated] for kind in (_TURNING, _SLIDING))
+        turning, sliding = ([key for keys in kind for key in keys if key in present] for kind in (_TURNING, _SLIDING))
         both = phrase(
             "limits_of_kind",
             "give {turning} where it turns, else {sliding}",
             turning=_choices(_TURNING),
             sliding=_choices(_SLIDING),
         )
-        if not stated:
+        if not present:
             raise ValueError(of_named(self.name, phrase("no_limits", "no limits are stated; {both}", both=both)))
         if turning and sliding:
             raise ValueError(
@@ -300,7 +300,7 @@ class JointLimit(Part):
                     ),
                 )
             )
-        stated_keys = [[key for key in keys if key in stated] for keys in self._kind]
+        stated_keys = [[key for key in keys if key in present] for keys in self._kind]
         if missing := [keys for keys, found in zip(self._kind, stated_keys, strict=True) if not found]:
             raise ValueError(
                 of_named(
@@ -362,8 +362,8 @@ def _of_joints(order: int) -> cached_property[Array]:
 
     def values(limits: "JointMotionLimits") -> Array:
         keys = [joint.keys[order] for joint in limits.joints]
-        stated = [getattr(joint, key) for joint, key in zip(limits.joints, keys, strict=True)]
-        return frozen(np.transpose(stated) * own_units(keys))
+        limits_of_joints = [getattr(joint, key) for joint, key in zip(limits.joints, keys, strict=True)]
+        return frozen(np.transpose(limits_of_joints) * own_units(keys))
 
     return cached_property(values)
 
@@ -406,9 +406,9 @@ class JointMotionLimits(Part):
     def with_jerk(self, jerk: Array) -> "JointMotionLimits":
         """The same with other limits of jerk, shape (n,) [rad/s^3 or m/s^3]; infinite: accelerations step."""
         keys = [joint.keys[3] for joint in self.joints]
-        stated = (jerk / own_units(keys)).tolist()
+        jerks = (jerk / own_units(keys)).tolist()
         joints = [
-            joint.model_copy(update={key: value}) for joint, key, value in zip(self.joints, keys, stated, strict=True)
+            joint.model_copy(update={key: value}) for joint, key, value in zip(self.joints, keys, jerks, strict=True)
         ]
         return JointMotionLimits.model_construct(joints=tuple(joints))
 

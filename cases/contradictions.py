@@ -255,8 +255,8 @@ def _listed(values: Sequence[Stated]) -> Phrase:
     for value in values:
         start, _, rest = value.key.partition("s[")  # an entry of a list of joints or weights
         number, _, end = rest.partition("]") if "." in start and rest[:1].isdigit() else ("", "", "")
-        own = (f"{start}s", end) if number else (value.key,)
-        together.setdefault((*own, value.summary, _shown(value.value)), []).append((number, value))
+        place = (f"{start}s", end) if number else (value.key,)
+        together.setdefault((*place, value.summary, _shown(value.value)), []).append((number, value))
     texts = [
         first.of(f"{names[0]}[{', '.join(n for n, _ in of)}]{names[1]}") if number else first.words
         for names, of in together.items()

@@ -164,10 +164,10 @@ def of_chain(chain: Chain, limits: JointMotionLimits) -> Iterator[Doubt]:
             yield _at_most(now, v, most[0], "rad/s" if joint.turns else "m/s")
             yield _at_most(now, a, most[1], "rad/s^2" if joint.turns else "m/s^2")
         for turns in (True, False):
-            alike = [own for joint, own in zip(limits.joints, keys, strict=True) if joint.turns == turns]
+            alike = [of_joint for joint, of_joint in zip(limits.joints, keys, strict=True) if joint.turns == turns]
             for order in (1, 2, 3) if len(alike) > 2 else ():
-                usual = float(np.median([_largest(now, own[order]) for own in alike]))
-                for key in (own[order] for own in alike):
+                usual = float(np.median([_largest(now, of_joint[order]) for of_joint in alike]))
+                for key in (of_joint[order] for of_joint in alike):
                     times = f"{usual / _largest(now, key):.3g}"
                     words = phrase("other_joints", "other joints have {times} times as much", times=times)
                     yield Relation((key,), _largest(now, key) / usual, 1.0, 1.0, OFTEN, words)

@@ -284,8 +284,8 @@ class Tool(Part):
     @cached_property
     def points(self) -> Array:
         """Points whose convex hull is the body without its radius: ends of the axis, or corners, shape (k, 3) [m]."""
-        stated = (self.from_mm, self.to_mm) if self.corners_mm is None else self.corners_mm
-        return frozen(np.array(stated, dtype=float) * MM)
+        points = (self.from_mm, self.to_mm) if self.corners_mm is None else self.corners_mm
+        return frozen(np.array(points, dtype=float) * MM)
 
     @property
     def beyond(self) -> float:
@@ -406,12 +406,12 @@ class MotionLimits(StrutLengths):
     @model_validator(mode="after")
     def _in_one_unit(self) -> "MotionLimits":
         for keys in (_ANGULAR_ACCELERATION, _ANGULAR_JERK):
-            stated = [key for key in keys if getattr(self, key) is not None]
-            if not stated:
+            present = [key for key in keys if getattr(self, key) is not None]
+            if not present:
                 raise ValueError(
                     phrase("missing_or", "{key} is missing; add it, or {other}", key=keys[0], other=keys[1])
                 )
-            if len(stated) > 1:
+            if len(present) > 1:
                 raise ValueError(
                     phrase("state_the_same", "{keys} state the same; remove one", keys=enumerated("both", keys))
                 )

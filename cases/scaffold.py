@@ -162,8 +162,8 @@ def arm_text(
 def _keys(table: Part) -> str:
     """TOML of what a table states, its name first; 12 decimals, so that right angles and millimetres read as such."""
     text = table.model_dump_json(exclude_unset=True, exclude_none=True)
-    stated = json.loads(text, parse_float=lambda number: round(float(number), 12) + 0.0)
-    return "\n".join(f"{key} = {toml_value(stated[key])}" for key in sorted(stated, key=lambda key: key != "name"))
+    entries = json.loads(text, parse_float=lambda number: round(float(number), 12) + 0.0)
+    return "\n".join(f"{key} = {toml_value(entries[key])}" for key in sorted(entries, key=lambda key: key != "name"))
 
 
 def new_place(name: str, folder: Path | str | None) -> Path:

@@ -660,14 +660,14 @@ class Case(Heading):
         if settings is None:
             example = "ur10_wrist" if kind.table == ControllerName.URSCRIPT else "hexapod"
             others = [name for name in ControllerName if getattr(self.controller, name, None) is not None]
-            own = (
+            for_case = (
                 f"for the case's own controller write {option('dialect')} {' or '.join(others)}, or " if others else ""
             )
             raise CaseError(
                 file=f"case {self.name}",
                 key=f"controller.{kind.table}",
                 problem="is missing",
-                remedy=f"the dialect {kind.table} needs it: {own}add the table to the case file, see "
+                remedy=f"the dialect {kind.table} needs it: {for_case}add the table to the case file, see "
                 f"cases/{example}/case.toml",
                 code=Code.MISSING,
             )

@@ -59,8 +59,8 @@ def kind_of(one: type[Part], other: type[Part]) -> GetPydanticSchema:
     distinctive = frozenset(one.model_fields) - frozenset(other.model_fields)
 
     def tag(table: Any) -> str:
-        own = not distinctive.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)
-        return f"<{(one if own else other).__name__}>"
+        is_one = not distinctive.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)
+        return f"<{(one if is_one else other).__name__}>"
 
     def schema(_: Any, handler: Callable[[type[Part]], CoreSchema]) -> CoreSchema:
         return tagged_union_schema({f"<{kind.__name__}>": handler(kind) for kind in (one, other)}, tag)
@@ -169,10 +169,10 @@ def si(*keys: str | tuple[str, ...]) -> cached_property[Array]:
     """
 
     def values(table: Part) -> Array:
-        stated = [
+        present = [
             next(k for k in key if getattr(table, k) is not None) if isinstance(key, tuple) else key for key in keys
         ]
-        pairs = zip(stated, own_units(stated), strict=True)
+        pairs = zip(present, own_units(present), strict=True)
         return frozen(np.hstack([np.multiply(getattr(table, key), unit) for key, unit in pairs]))
 
     return cached_property(values)
@@ -346,15 +346,15 @@ def _together(problems: Iterable[tuple[int, str, Phrase, str]]) -> list[tuple[in
     """Rank, key and words of each problem; what is true of several entries of a list is one, with all their names."""
     alike: dict[tuple[int, str, Phrase, bool], list[tuple[str, str]]] = {}
     for rank, key, words, name in problems:
-        own = bool(name) and words.code == NAMED and words.values["name"] == name
-        table, _, number = key.removesuffix("]").rpartition("[") if own else (key, "", "")
-        problem = words.values["problem"] if own else words
-        alike.setdefault((rank, table, problem, own), []).append((number, name))
+        is_named = bool(name) and words.code == NAMED and words.values["name"] == name
+        table, _, number = key.removesuffix("]").rpartition("[") if is_named else (key, "", "")
+        problem = words.values["problem"] if is_named else words
+        alike.setdefault((rank, table, problem, is_named), []).append((number, name))
     return [
         (rank, f"{table}[{', '.join(n for n, _ in of)}]", of_named(", ".join(name for _, name in of), words))
-        if own
+        if is_named
         else (rank, table, words)
-        for (rank, table, words, own), of in alike.items()
+        for (rank, table, words, is_named), of in alike.items()
     ]
 
 

@@ -225,7 +225,7 @@ def _joint(joint: Element, place: Array, link: RigidBody | None, findings: Findi
     if kind == "revolute" and ends == (-math.inf, math.inf):
         kind, ends = "continuous", None
         findings.note("joint", name, "its ends are infinite: it is taken as continuous")
-    stated = _frame(place).model_dump() | {"name": name, "kind": kind, "axis": tuple(axis / np.linalg.norm(axis))}
+    entries = _frame(place).model_dump() | {"name": name, "kind": kind, "axis": tuple(axis / np.linalg.norm(axis))}
     limits = JointLimit.model_construct(name=name)
     if (velocity := positive_in(limit, "velocity")) is None:
         findings.note("joint", name, "no velocity above 0 is stated: fill in that of limits.motion")
@@ -234,11 +234,11 @@ def _joint(joint: Element, place: Array, link: RigidBody | None, findings: Findi
     if (effort := positive_in(limit, "effort")) is None:
         findings.note("joint", name, f"no effort above 0 is stated: {effort_key} limits nothing until you state it")
     else:
-        stated[effort_key] = effort
+        entries[effort_key] = effort
     if ends is not None:
-        stated[f"position_{unit}"] = ends[0] / si, ends[1] / si
+        entries[f"position_{unit}"] = ends[0] / si, ends[1] / si
     _note_units(name, slides, ends, velocity or 0.0, findings)
-    return Joint.model_construct(**stated, link=link), limits
+    return Joint.model_construct(**entries, link=link), limits
 
 
 def _note_units(name: str, slides: bool, ends: tuple[float, float] | None, velocity: float, findings: Findings) -> None:
@@ -322,13 +322,13 @@ def _inertia(inertial: Element) -> tuple[float, Array, Array] | None:
     if len(numbers) < 7 or findings.problems or numbers[0] < 0.0:
         return None
     mass, ixx, ixy, ixz, iyy, iyz, izz = numbers
-    own = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+    inertia = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
     if mass == 0.0:
-        return None if own.any() else (mass, place, own)
-    smallest, middle, largest = np.linalg.eigvalsh(own)
+        return None if inertia.any() else (mass, place, inertia)
+    smallest, middle, largest = np.linalg.eigvalsh(inertia)
     if smallest < -_ROUNDING * largest or smallest + middle < largest * (1.0 - _ROUNDING):
         return None
-    return mass, place, own
+    return mass, place, inertia
 
 
 _ROUNDING = 1e-3  # share of the largest principal inertia: files state them with few digits

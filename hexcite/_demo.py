@@ -161,9 +161,9 @@ def demo(
     if machine_of(case).of_pose:
         families.insert(0, (Manual(), language))
     others, left_out = [], []
-    for family, own in families:
+    for family, language_of_family in families:
         try:
-            others.append(way.gone(family, own, place / family.name))
+            others.append(way.gone(family, language_of_family, place / family.name))
         except HexciteError as error:
             left_out.append(f"{family.name}: {error.typed}")
             progress(f"{family.name}: left out, {error}")

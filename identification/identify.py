@@ -188,14 +188,14 @@ def _channel_noise(estimate: Estimate, case: Case) -> dict[str, Any]:
 
     Where it is above the stated one also what noise of the recorded drives makes of it.
     """
-    stated = stated_noise(estimate.samples, estimate.fit, case)
+    noise_of_case = stated_noise(estimate.samples, estimate.fit, case)
     excess: dict[str, Any] = next(
         (f.quantity["noise_excess"] for f in estimate.findings if "noise_excess" in f.quantity), {}
     )
     by_drives = {"by_drives": excess["by_drives"]} if excess else {}
     return by_drives | {
         "measured": noise_of_channels(estimate.samples, estimate.fit).tolist(),
-        "stated": None if stated is None else stated.tolist(),
+        "stated": None if noise_of_case is None else noise_of_case.tolist(),
         "evaluated": np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)).tolist(),
     }
 

@@ -74,18 +74,18 @@ class ModelChoice:
     def sentences(self) -> tuple[str, ...]:
         """Which model is preferred, and why."""
         rows = {row.model: row for row in self.rows if row.reason is None}
-        own, others = rows[self.best], [row for number, row in rows.items() if number != self.best]
+        preferred, others = rows[self.best], [row for number, row in rows.items() if number != self.best]
         way = f"{self.blocks} blocks of {self.of} were left out and predicted from the others"
-        first = f"model {self.best}: it predicts them to {own.predicted:.3g}"
-        better = [row for row in others if row.predicted < own.predicted]
+        first = f"model {self.best}: it predicts them to {preferred.predicted:.3g}"
+        better = [row for row in others if row.predicted < preferred.predicted]
         if better:
             most = min(better, key=lambda row: row.predicted)
             first += f"; model {most.model} with {most.count} parameters is not better beyond the scatter "
             first += f"({most.predicted:.3g})"
         else:
             first += ", the best of all"
-        worse = sorted((r for r in others if r.predicted >= own.predicted), key=lambda row: row.predicted)
-        clear = [r for r in worse if r.predicted > 1.01 * own.predicted]
+        worse = sorted((r for r in others if r.predicted >= preferred.predicted), key=lambda row: row.predicted)
+        clear = [r for r in worse if r.predicted > 1.01 * preferred.predicted]
         if clear:
             first += "; " + ", ".join(f"model {r.model} to {r.predicted:.3g}" for r in clear[:3])
         refused = (f"model {r.model} is not identified: {r.reason}" for r in self.rows if r.reason is not None)
@@ -194,7 +194,7 @@ def identify_models(
         root = np.asarray(np.linalg.cholesky(weights).T)
         errors = {number: left_out(fit, root) for number, fit in fitted.items()}
     best = min(errors, key=lambda n: float(errors[n].mean()))
-    worse = {number: _standard_errors(own - errors[best]) for number, own in errors.items()}
+    worse = {number: _standard_errors(error - errors[best]) for number, error in errors.items()}
     preferred = min((n for n in errors if worse[n] <= 1.0), key=lambda n: (len(models[n].names), errors[n].mean()))
     rows = []
     for number, model in models.items():

@@ -77,7 +77,7 @@ def planned(request: Request, case: Case, progress: Callable[[Standing], None] |
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
         if request.target:
             require_more(request, case)
-            return shortest(request, case, lambda own: make_until_ctrl_c(own, case, follower))
+            return shortest(request, case, lambda shorter: make_until_ctrl_c(shorter, case, follower))
         return make_until_ctrl_c(request, case, follower)
 
 

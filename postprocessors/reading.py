@@ -240,13 +240,13 @@ class Grouping:
 
     def _path(self) -> TimedPoints | PolynomialMotion:
         lines, times, ends, polynomials = zip(*self.timed, strict=True)
-        if not any(own is not None for own in polynomials):
+        if not any(polynomial is not None for polynomial in polynomials):
             return TimedPoints.through(np.cumsum([0.0, *times]), np.vstack([np.array(self.coordinates), *ends]))
         pieces = []
-        for line, time, own in zip(lines, times, polynomials, strict=True):
-            if own is None:
+        for line, time, polynomial in zip(lines, times, polynomials, strict=True):
+            if polynomial is None:
                 raise self.error(line, "a timed straight block among polynomials", "write a path in one form")
-            pieces.append((own / time ** np.arange(len(own))[:, None], time))
+            pieces.append((polynomial / time ** np.arange(len(polynomial))[:, None], time))
         return PolynomialMotion.of_pieces(pieces)
 
 

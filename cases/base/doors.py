@@ -112,8 +112,8 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
 
 def _plain(value: Any) -> Any:
     """A number of NumPy as Python's own, which goes into files; anything else as it is."""
-    own = isinstance(value, bool | int | float) or not isinstance(value, Integral | Real)
-    return value if own else int(value) if isinstance(value, Integral) else float(value)
+    is_plain = isinstance(value, bool | int | float) or not isinstance(value, Integral | Real)
+    return value if is_plain else int(value) if isinstance(value, Integral) else float(value)
 
 
 def checks(function: Callable[Arguments, Value]) -> Callable[Arguments, Value]:

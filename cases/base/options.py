@@ -58,11 +58,11 @@ class Declared(NamedTuple):
 
 def options_of(declaration: type) -> tuple[Declared, ...]:
     """The options that a typed dictionary of arguments, or a dataclass, declares."""
-    stated = fields(declaration) if is_dataclass(declaration) else ()
-    own = {field.name: field.default for field in stated if field.default is not MISSING}
+    members = fields(declaration) if is_dataclass(declaration) else ()
+    defaults = {field.name: field.default for field in members if field.default is not MISSING}
     hints = get_type_hints(declaration, include_extras=True).items()
     declared = [(name, *get_args(hint)[:2]) for name, hint in hints if get_origin(hint) is Annotated]
-    return tuple(Declared(name, kind, own.get(name, said.default), said) for name, kind, said in declared)
+    return tuple(Declared(name, kind, defaults.get(name, said.default), said) for name, kind, said in declared)
 
 
 def default_of(annotated: Any) -> Any:
@@ -93,11 +93,11 @@ def documented(*declarations: type) -> Callable[[T], T]:
         function: Any = thing.__init__ if isinstance(thing, type) else thing  # type: ignore[misc]
         function.__annotations__ = get_type_hints(function)  # without what is said of them
         signature = inspect.signature(function)
-        own = [*signature.parameters.values()]
-        if any(p.kind is p.VAR_KEYWORD for p in own):
+        parameters_of_function = [*signature.parameters.values()]
+        if any(p.kind is p.VAR_KEYWORD for p in parameters_of_function):
             parameters = [inspect.Parameter(d.name, _KEYWORD, default=d.default, annotation=d.kind) for d in declared]
-            own = [*(p for p in own if p.kind is not p.VAR_KEYWORD), *parameters]
-            function.__signature__ = signature.replace(parameters=own)
+            parameters_of_function = [*(p for p in parameters_of_function if p.kind is not p.VAR_KEYWORD), *parameters]
+            function.__signature__ = signature.replace(parameters=parameters_of_function)
         return thing
 
     return with_options

@@ -50,7 +50,7 @@ class Units(Mapping[str, float]):
 
     def spellings(self, symbol: str) -> tuple[str, ...]:
         """Other spellings of a unit."""
-        return tuple(spelling for spelling, own in self._spellings.items() if own == symbol != spelling)
+        return tuple(spelling for spelling, same_unit in self._spellings.items() if same_unit == symbol != spelling)
 
     def symbol(self, text: str) -> str | None:
         """Symbol of a unit as a file or a person spells it; None where it is not of this quantity, or ambiguous.

@@ -31,9 +31,9 @@ def takes(
     ]
 
     def with_options(command: Command) -> Command:
-        own = [_own(p) for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
-        place = next((k for k, parameter in enumerate(own) if parameter.name == "output"), len(own))
-        signature = inspect.Signature([*own[:place], *parameters, *own[place:]])
+        of_command = [_own(p) for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
+        place = next((k for k, parameter in enumerate(of_command) if parameter.name == "output"), len(of_command))
+        signature = inspect.Signature([*of_command[:place], *parameters, *of_command[place:]])
         command.__signature__ = signature  # type: ignore[attr-defined]  # where typer looks
         return command
 

@@ -36,15 +36,15 @@ def pool(
     named = None if case is None else hx.load_case(case)
     pooled = hx.pool([hx.Result.load(result, named, stale) for result in results])
     texts: list[object] = [f"result written: {folder}, with its report {folder}/report.html", pooled]
-    stated: dict[str, Any] = {}
+    in_frame: dict[str, Any] = {}
     if frame is not None:
         from identification.results.frames import frame_named
 
         body = pooled.in_frame(frame_named(frame))
-        stated["in_frame"] = body.to_json()
+        in_frame["in_frame"] = body.to_json()
         texts.append(body)
     console.save_with_page(pooled, RESULT, folder, overwrite)
-    answer = {"result": str(folder), "report": str(folder / "report.html"), **pooled.record.to_json(), **stated}
+    answer = {"result": str(folder), "report": str(folder / "report.html"), **pooled.record.to_json(), **in_frame}
     console.answered(answer, json, *texts)
 
 

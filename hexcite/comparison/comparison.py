@@ -184,14 +184,14 @@ def _among(entries: Sequence[Entry], level: str) -> tuple[str | None, dict[str, 
     if len(entries) < 2:
         return None, {}, ["there is nothing to choose from: name two excitations or more"]
     deviations = [{n: v.reported for n, v in e.parameters.items() if v.reported > 0.0} for e in entries]
-    names = [n for n in deviations[0] if all(n in own for own in deviations)]
+    names = [n for n in deviations[0] if all(n in of_entry for of_entry in deviations)]
     if not names:
         return None, {}, ["they have no parameter in common"]
     remarks = []
-    for entry, own in zip(entries, deviations, strict=True):
-        if missing := sorted({n for other in deviations for n in other} - set(own)):
+    for entry, of_entry in zip(entries, deviations, strict=True):
+        if missing := sorted({n for other in deviations for n in other} - set(of_entry)):
             remarks.append(f"{entry.name} does not determine {', '.join(missing)}: not compared")
-    sizes = np.array([np.mean(np.log([own[n] for n in names])) for own in deviations])
+    sizes = np.array([np.mean(np.log([of_entry[n] for n in names])) for of_entry in deviations])
     order = np.argsort(sizes, kind="stable")
     best, second = entries[order[0]], entries[order[1]]
     ratio = float(np.exp(sizes[order[1]] - sizes[order[0]]))

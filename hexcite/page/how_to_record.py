@@ -50,8 +50,8 @@ def recipe(case: Case, dialect: str, name: str, seconds: float) -> Recipe:
             places["trigger"] = f"{controller.urscript.trigger_output}"
         commands = _rtde(places["file"], rate)
     elif dialect == "ros2":
-        stated = case.recording.ros
-        topics = stated.get("joints", "/joint_states"), stated.get("wrench", "/ft/wrench_raw")
+        names_of_topics = case.recording.ros
+        topics = names_of_topics.get("joints", "/joint_states"), names_of_topics.get("wrench", "/ft/wrench_raw")
         places["file"] = name
         commands = f"ros2 bag record {' '.join(topics)} -o {name}"
     return Recipe(STEPS[dialect], places, commands, channels)

@@ -120,8 +120,8 @@ def missing(data: Table, case: Case | None, content: str = "") -> dict[Place, An
     for key, value in (data.get("nominal") or {}).items():  # the simulated machine is this one, not that of the example
         if (*body, key) in examples:
             examples[*body, key] = value
-    stated = commented(content)
-    return {place: stated.get(place, value) for place, value in examples.items()}
+    as_comments = commented(content)
+    return {place: as_comments.get(place, value) for place, value in examples.items()}
 
 
 def _table(data: Table, example: Table, place: Place, part: type[Part], case: Case | None) -> dict[Place, Any]:
@@ -193,10 +193,10 @@ def _fits(part: type[Part], key: str, table: Table, chain: bool) -> bool:
         return False
     if part is Joint or part is JointLimit:
         slides = table.get("kind") == "prismatic" or "position_mm" in table
-        own = key.endswith(("_mm", "_mm_s", "_m_s2", "_m_s3", "_N")) == slides
+        of_its_unit = key.endswith(("_mm", "_mm_s", "_m_s2", "_m_s3", "_N")) == slides
         endless = table.get("kind") == "continuous" and key.startswith("position")
         twin = key.endswith(("_deg_s2", "_deg_s3"))
-        return not endless and not twin and (own or key in ("rpy_deg", "origin_mm"))
+        return not endless and not twin and (of_its_unit or key in ("rpy_deg", "origin_mm"))
     return not key.startswith("angular_") or "_deg_s" not in key or key == "angular_velocity_deg_s"
 
 
@@ -233,8 +233,8 @@ def _alike(example: Table, place: Place) -> Any:
     for k, key in enumerate(place):
         if isinstance(key, int):
             rest: Sequence[str | int] = place[k + 1 :]
-            own = [at(each, tuple(rest)) for each in value] if isinstance(value, list) else []
-            stated = [each for each in own if each is not None]
-            return own[key] if key < len(own) and own[key] is not None else (stated or [None])[-1]
+            entries = [at(each, tuple(rest)) for each in value] if isinstance(value, list) else []
+            stated = [each for each in entries if each is not None]
+            return entries[key] if key < len(entries) and entries[key] is not None else (stated or [None])[-1]
         value = value.get(key) if isinstance(value, Mapping) else None
     return value

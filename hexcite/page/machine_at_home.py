@@ -92,10 +92,10 @@ def _ends(chain: Chain, pose: Any) -> Iterable[Quantity]:
     """Joints between their ends; those without ends have none."""
     turns = np.array([joint.turns for joint in chain.joints])
     ended = np.isfinite(chain.position).all(axis=0)
-    for kind, own in ((LimitKind.JOINT_POSITION, ended & ~turns), (LimitKind.JOINT_ANGLE, ended & turns)):
-        if own.any():
-            names = tuple(name for name, k in zip(chain.names, own, strict=True) if k)
-            yield Quantity.between(kind, names, pose[:, own], *chain.position[:, own])
+    for kind, of_kind in ((LimitKind.JOINT_POSITION, ended & ~turns), (LimitKind.JOINT_ANGLE, ended & turns)):
+        if of_kind.any():
+            names = tuple(name for name, k in zip(chain.names, of_kind, strict=True) if k)
+            yield Quantity.between(kind, names, pose[:, of_kind], *chain.position[:, of_kind])
 
 
 @dataclass(frozen=True)
@@ -143,11 +143,11 @@ def chain_in(data: Mapping[str, Any]) -> Chain | None:
     from pydantic import ValidationError
 
     machine = data.get("machine")
-    stated = machine.get("chain") if isinstance(machine, Mapping) else None
-    if not isinstance(stated, Mapping):
+    chain = machine.get("chain") if isinstance(machine, Mapping) else None
+    if not isinstance(chain, Mapping):
         return None
     try:
-        return Chain.model_validate(stated)
+        return Chain.model_validate(chain)
     except ValidationError:
         return None
 

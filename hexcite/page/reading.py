@@ -100,8 +100,8 @@ def tables(words: Words, answer: Mapping[str, Any], case: Case | None) -> tuple[
     for file in files:
         columns = answer["columns"][begin : (begin := begin + len(file["columns"]))]
         if file["table"] is not None:
-            stated, name = settings["files"][file["table"]], str(file["file"]).rpartition("/")[2]
-            forms_of_files.append(_table(words, f"@{file['table']}", name, columns, stated, _reasons(words, file), ()))
+            form, name = settings["files"][file["table"]], str(file["file"]).rpartition("/")[2]
+            forms_of_files.append(_table(words, f"@{file['table']}", name, columns, form, _reasons(words, file), ()))
     return tuple({table.mark: table for table in forms_of_files}.values())
 
 
@@ -119,8 +119,8 @@ def _table(
     scales = settings.get("scale", {})
     rows = tuple(_row(words, name, read_from.get(name), scales) for name in names)
     roles = dict.fromkeys(ROLE_OF[name] for name in names if name in ROLE_OF)
-    stated = settings.get("units", {})
-    units = tuple((str(role), stated.get(str(role), ""), tuple(ROLE_UNITS[role])) for role in roles)
+    units_of_file = settings.get("units", {})
+    units = tuple((str(role), units_of_file.get(str(role), ""), tuple(ROLE_UNITS[role])) for role in roles)
     clock, trigger = settings.get("clock", {}), settings.get("trigger") or {}
     texts = {key: settings.get(key) for key in (*CHOICES, *COUNTS, "orientation", "filter_cutoff_Hz")}
     texts["delimiter"] = next((name for name, sign in SEPARATORS.items() if sign == settings.get("delimiter")), None)

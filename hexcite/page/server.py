@@ -299,8 +299,8 @@ class _Page:
         kinds = RECORDINGS | ({".urdf", ".pdf", ".ini"} if run is None else set())
         if Path(name).suffix.lower() not in kinds and not (run is not None and name == BAG_INDEX):
             return JSONResponse({"error": "suffix"}, 415)
-        stated = request.headers.get("content-length", "")
-        if stated.isdigit() and int(stated) > MOST_UPLOAD:
+        length = request.headers.get("content-length", "")
+        if length.isdigit() and int(length) > MOST_UPLOAD:
             return JSONResponse({"error": "too_large"}, 413)
         try:
             with arriving as folder:

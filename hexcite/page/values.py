@@ -199,12 +199,12 @@ def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tu
         kind, _, name = field.partition(".")
         if kind not in ("v", "w"):
             continue
-        own = there if kind == "v" else offered
+        values = there if kind == "v" else offered
         if kind == "w" and not on:
             continue
-        if name not in own or own[name][0][0] in FIXED:
+        if name not in values or values[name][0][0] in FIXED:
             raise Refused("no_such_value", name=name)
-        place, before = own[name]
+        place, before = values[name]
         part = part_of(place[:-1], data)
         if kind == "w" and not any(name == each or (name.startswith(f"{each}.") and text.strip()) for each in on):
             continue

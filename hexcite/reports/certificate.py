@@ -72,9 +72,9 @@ def certificate(
             remedy=choice(language, LANGUAGES, "choose from"),
             code=Code.UNKNOWN,
         )
-    stated = statements(result, about or result.case.certificate or CertificateOf(), number)
-    stated["language"] = language
-    content = _pdf(stated)
+    statement = statements(result, about or result.case.certificate or CertificateOf(), number)
+    statement["language"] = language
+    content = _pdf(statement)
     with atomic_file(place) as part:
         part.write_bytes(content)
 
@@ -161,7 +161,7 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
         FileProblem: no certificate, changed since it was issued, or of another result or recording.
     """
     place = Path(file)
-    stated, certified, recordings = _stated_in(place)
+    statement, certified, recordings = _stated_in(place)
     lines = list[tuple[str, str]]()
     if result is not None:
         if content_of(result.record.to_json()) != certified:
@@ -184,7 +184,7 @@ def verify_certificate(file: Path | str, result: Result | None = None) -> Verifi
             )
         else:
             lines.append((f"recording {recording}", "the one that is certified"))
-    return Verification(stated, tuple(lines))
+    return Verification(statement, tuple(lines))
 
 
 class _Stated(NamedTuple):
@@ -220,12 +220,12 @@ def _stated_in(place: Path) -> _Stated:
             code=Code.CHANGED,
         )
     try:
-        stated = json.loads(base64.b64decode(match[1]))
-        prints = stated["fingerprints"]
+        statement = json.loads(base64.b64decode(match[1]))
+        prints = statement["fingerprints"]
         recordings = tuple((Path(entry["file"]), str(entry["sha256"])) for entry in prints["recording"])
-        certified = _Stated(stated, str(prints["result"]), recordings)
-        json_text(stated)  # no NaN, which is not JSON
-        str(Verification(stated, ()))
+        certified = _Stated(statement, str(prints["result"]), recordings)
+        json_text(statement)  # no NaN, which is not JSON
+        str(Verification(statement, ()))
     except (*DAMAGED, RecursionError) as error:  # anybody can make a file with a fingerprint that is right
         raise FileProblem(
             place=place,
@@ -236,20 +236,20 @@ def _stated_in(place: Path) -> _Stated:
     return certified
 
 
-def _pdf(stated: Mapping[str, Any]) -> bytes:
+def _pdf(statement: Mapping[str, Any]) -> bytes:
     """The pages of what is stated, with the data and the fingerprint inside."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_pdf import PdfPages
 
-    data = base64.b64encode(json.dumps(stated, sort_keys=True).encode()).decode()
-    title = f"{text('c_title', stated['language'])} {stated['number']}".strip()
+    data = base64.b64encode(json.dumps(statement, sort_keys=True).encode()).decode()
+    title = f"{text('c_title', statement['language'])} {statement['number']}".strip()
     about = {
-        "Title": title, "Subject": stated["machine"]["title"], "Creator": FORMAT,
+        "Title": title, "Subject": statement["machine"]["title"], "Creator": FORMAT,
         "Keywords": f"hexcite:{data} sha256:{_NONE.decode()}",
     }  # fmt: skip
     buffer = BytesIO()
     with rc_context({"pdf.fonttype": 42, "font.family": "DejaVu Sans"}), PdfPages(buffer, metadata=about) as pages:
-        for figure in pages_of(stated, title):
+        for figure in pages_of(statement, title):
             pages.savefig(figure)
     content = buffer.getvalue()
     match = _EMBEDDED.search(content)

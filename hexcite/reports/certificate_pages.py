@@ -16,45 +16,45 @@ CHARACTERS = 116  # in a line of small text
 VALUES = (LEFT, LEFT + 0.55, LEFT + 0.7)  # columns of parameters: name, ends of value and of uncertainty
 
 
-def pages_of(stated: Mapping[str, Any], title: str) -> Iterator[Any]:
+def pages_of(statement: Mapping[str, Any], title: str) -> Iterator[Any]:
     """Figures of the pages of what a certificate states."""
-    sheet = _Sheet(stated["language"])
-    _head(sheet, stated, title)
-    _object(sheet, stated)
-    _method(sheet, stated["method"])
-    _parameters(sheet, stated)
-    _verdict(sheet, stated["verdict"])
-    if stated["warnings"]:
+    sheet = _Sheet(statement["language"])
+    _head(sheet, statement, title)
+    _object(sheet, statement)
+    _method(sheet, statement["method"])
+    _parameters(sheet, statement)
+    _verdict(sheet, statement["verdict"])
+    if statement["warnings"]:
         sheet.heading(sheet.words("warnings"))
-        for warning, phrase in zip(stated["warnings"], stated["phrases"], strict=True):
+        for warning, phrase in zip(statement["warnings"], statement["phrases"], strict=True):
             sheet.paragraph(f"- {warning if sheet.english else plain(phrase, warning)}")
-    _chain(sheet, stated)
+    _chain(sheet, statement)
     for k, figure in enumerate(sheet.figures, 1):
         figure.text(RIGHT, 0.035, sheet.words("page", k=k, count=len(sheet.figures)), fontsize=7.5, ha="right")
-        figure.text(LEFT, 0.035, f"{title}, {stated['issued']}", fontsize=7.5)
+        figure.text(LEFT, 0.035, f"{title}, {statement['issued']}", fontsize=7.5)
         yield figure
 
 
-def _head(sheet: "_Sheet", stated: Mapping[str, Any], title: str) -> None:
+def _head(sheet: "_Sheet", statement: Mapping[str, Any], title: str) -> None:
     """Title, machine and verdict."""
     sheet.put([(LEFT, title)], 15.0, "bold")
-    sheet.put([(LEFT, stated["machine"]["title"])], 10.0)
+    sheet.put([(LEFT, statement["machine"]["title"])], 10.0)
     sheet.y -= 0.5 * LINE
-    sheet.put([(LEFT, sheet.words("verdict", word=sheet.passed(stated["verdict"]["passed"])))], 11.0, "bold")
-    if stated["simulated"]:
+    sheet.put([(LEFT, sheet.words("verdict", word=sheet.passed(statement["verdict"]["passed"])))], 11.0, "bold")
+    if statement["simulated"]:
         sheet.put([(LEFT, sheet.words("simulated"))], 9.0, "bold")
 
 
-def _object(sheet: "_Sheet", stated: Mapping[str, Any]) -> None:
+def _object(sheet: "_Sheet", statement: Mapping[str, Any]) -> None:
     """Who certifies what: laboratory, run, machine."""
-    say, machine = sheet.words, stated["machine"]
+    say, machine = sheet.words, statement["machine"]
     sheet.heading(say("object"))
     for key, value in (
-        ("issued_by", stated["laboratory"]), ("operator", stated["operator"]), ("issued", stated["issued"]),
-        ("recorded", say("by_file", date=stated["recorded"]) if stated["recorded"] else ""),
+        ("issued_by", statement["laboratory"]), ("operator", statement["operator"]), ("issued", statement["issued"]),
+        ("recorded", say("by_file", date=statement["recorded"]) if statement["recorded"] else ""),
         ("machine", say("of_setup", case=machine["case"], setup=machine["setup"])),
-        ("serial", ", ".join(f"{part} {number}" for part, number in stated["serial_numbers"].items())),
-        ("conditions", stated["conditions"]), ("program", stated["program"]),
+        ("serial", ", ".join(f"{part} {number}" for part, number in statement["serial_numbers"].items())),
+        ("conditions", statement["conditions"]), ("program", statement["program"]),
     ):  # fmt: skip
         sheet.fact(say(key), value)
 
@@ -71,13 +71,13 @@ def _method(sheet: "_Sheet", method: Mapping[str, Any]) -> None:
     sheet.paragraph(say("by", of=of, weights=weights, more="".join(f"; {each}" for each in assumptions), **figures))
 
 
-def _parameters(sheet: "_Sheet", stated: Mapping[str, Any]) -> None:
+def _parameters(sheet: "_Sheet", statement: Mapping[str, Any]) -> None:
     """The parameters with their expanded uncertainties, and what these count."""
     say, language = sheet.words, sheet.language
-    sheet.heading(say("parameters", k=stated["coverage_factor"]))
+    sheet.heading(say("parameters", k=statement["coverage_factor"]))
     heads = (text("parameter", language), text("value", language), "U")
     sheet.put([*zip(VALUES, heads, strict=True)], 7.5, "bold", ends=True)
-    for name, of_name in stated["parameters"].items():
+    for name, of_name in statement["parameters"].items():
         scale, unit = legible(of_name["unit"])
         value, expanded = of_name["value"] * scale, of_name["U"] * scale
         sheet.need(1)
@@ -90,9 +90,9 @@ def _parameters(sheet: "_Sheet", stated: Mapping[str, Any]) -> None:
         sheet.y += LINE
         sheet.put([(VALUES[2] + 0.015, unit)])
     sheet.y -= 0.4 * LINE
-    sheet.paragraph(say("counts", what=", ".join(map(sheet.cause, stated["counted"]))))
-    if stated["not_counted"]:
-        sheet.paragraph(say("counts_not", what=", ".join(map(sheet.cause, stated["not_counted"]))))
+    sheet.paragraph(say("counts", what=", ".join(map(sheet.cause, statement["counted"]))))
+    if statement["not_counted"]:
+        sheet.paragraph(say("counts_not", what=", ".join(map(sheet.cause, statement["not_counted"]))))
 
 
 def _verdict(sheet: "_Sheet", verdict: Mapping[str, Any]) -> None:
@@ -113,16 +113,16 @@ def _verdict(sheet: "_Sheet", verdict: Mapping[str, Any]) -> None:
         sheet.paragraph(sheet.words("not_judged", reason=reason if sheet.english else plain(entries, reason)))
 
 
-def _chain(sheet: "_Sheet", stated: Mapping[str, Any]) -> None:
+def _chain(sheet: "_Sheet", statement: Mapping[str, Any]) -> None:
     """Fingerprints from the case to the result, and versions of the programs."""
-    say, prints = sheet.words, stated["fingerprints"]
+    say, prints = sheet.words, statement["fingerprints"]
     sheet.need(7 + 2 * len(prints["recording"]))
     sheet.heading(say("chain"))
     chain = [(key, prints[key]) for key in ("case", "plan", "program")]
     chain += [("recording", f"{entry['file']}  SHA-256 {entry['sha256']}") for entry in prints["recording"]]
     for key, value in (*chain, ("result", prints["result"])):
         sheet.fact(say(key), value)
-    sheet.fact(say("versions"), ", ".join(f"{name} {version}" for name, version in stated["versions"].items()))
+    sheet.fact(say("versions"), ", ".join(f"{name} {version}" for name, version in statement["versions"].items()))
     sheet.y -= 0.4 * LINE
     sheet.paragraph(say("verify"))
 

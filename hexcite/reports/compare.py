@@ -139,12 +139,12 @@ def std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
         "identified; a plan, its runs and their results have one colour."
     )
     series = []
-    for k, (own, entry) in enumerate(entries):
+    for k, (colour_of_entry, entry) in enumerate(entries):
         std = {n: value.reported for n, value in entry.parameters.items() if value.reported > 0.0}
         aside = SPREAD * ((k + 0.5) / len(entries) - 0.5)
         at, height = np.array([names.index(n) + aside for n in std]), np.array([std[n] / best[n] for n in std])
         words = tuple(f"{n}: {std[n]:.3g} (SI), {std[n] / best[n]:.3g} times the smallest" for n in std)
-        series.append(Points(at, height, entry.name, own, words, hollow=entry.level == "planned"))
+        series.append(Points(at, height, entry.name, colour_of_entry, words, hollow=entry.level == "planned"))
     return Chart(
         "std",
         caption,

@@ -39,11 +39,11 @@ def identifiability_charts(value: Identifiability) -> tuple[Chart, ...]:
     )
 
 
-def identifiability_blocks(models: Sequence[Identifiability], own: int) -> tuple[Block, ...]:
+def identifiability_blocks(models: Sequence[Identifiability], number: int) -> tuple[Block, ...]:
     """What each model could tell apart, and the figures of the one that is used."""
     rows = [
         (
-            f"{m.model}{' (this one)' if m.model == own else ''}",
+            f"{m.model}{' (this one)' if m.model == number else ''}",
             "yes" if m.determined else "NO",
             f"{m.rank} of {len(m.names)}",
             f"{m.condition:.3g}" if m.determined else "-",
@@ -54,7 +54,7 @@ def identifiability_blocks(models: Sequence[Identifiability], own: int) -> tuple
     for m in models:
         for sentence in m.sentences:
             sentences.setdefault(sentence, []).append(str(m.model))
-    (used,) = (m for m in models if m.model == own)
+    (used,) = (m for m in models if m.model == number)
     return (
         table(("model", "works", "rank", "condition"), rows, left=2),
         *(

@@ -172,8 +172,8 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
         words, value, widest, expanded, *stds, _ = value_cells(name, p, rods)
         rows.append((words, value, widest, expanded, unit, *ends, *stds))
     delay = delay_words(result)
-    stated = f" They count no tolerances of {', '.join(result.not_counted)}; see [tolerances]."
-    missing = stated if result.not_counted else ""
+    sentence = f" They count no tolerances of {', '.join(result.not_counted)}; see [tolerances]."
+    missing = sentence if result.not_counted else ""
     return (
         table(PARAMETER_COLUMNS, rows),
         note(f"± is the larger of std (28), which takes the noise as white, and std robust, which does not.{missing}"),
@@ -263,11 +263,12 @@ def misfit_blocks(result: Result) -> tuple[Block, ...]:
             rows = [(e["follows"], e["as_with"], f"{100 * e['share']:.2g} %", f"{e['chance']:.0e}") for e in effects]
             blocks.append(table(("residuals follow", "as with", "share of their power", "chance of it by noise"), rows))
     estimate = result.estimate
-    stated = None if estimate is None else stated_noise(estimate.samples, estimate.fit, result.case)
-    if estimate is not None and stated is not None:
+    noise_of_case = None if estimate is None else stated_noise(estimate.samples, estimate.fit, result.case)
+    if estimate is not None and noise_of_case is not None:
         noise = noise_of_channels(estimate.samples, estimate.fit)
         rows = [
-            (name, f"{n:.3g}", f"{s:.3g}", f"{n / s:.2g}") for name, n, s in zip(channels, noise, stated, strict=True)
+            (name, f"{n:.3g}", f"{s:.3g}", f"{n / s:.2g}")
+            for name, n, s in zip(channels, noise, noise_of_case, strict=True)
         ]
         columns = ("channel", f"white noise by its residuals [{unit_of(channels)}]", "stated by the case", "ratio")
         blocks.append(table(columns, rows))

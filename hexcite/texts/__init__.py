@@ -28,4 +28,4 @@ def language_of(accepted: str) -> Language:
         except ValueError:
             continue
         ranked.append((rank, k, name.split("-")[0]))
-    return next((own for _, _, name in sorted(ranked) for own in LANGUAGES if own == name), "en")
+    return next((language for _, _, name in sorted(ranked) for language in LANGUAGES if language == name), "en")

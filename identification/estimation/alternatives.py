@@ -319,8 +319,8 @@ def rough_noise(basis: Array, rest: Remainder, noise: Array) -> Noise:
     )  # of white noise, less all of it
     power = _beside(power) / np.maximum(_beside(np.clip(1.0 + white_power, 0.0, 1.0)), UNSEEN)
     power[1 : (channels.length + 1) // 2] *= 2.0  # of both signs of a frequency
-    own = answers[:, :, rest.basis.shape[2] :] * np.sqrt(power / (channels.length * len(noise)))[:, :, None]
-    flat = own.reshape(-1, basis.shape[2])
+    spectra = answers[:, :, rest.basis.shape[2] :] * np.sqrt(power / (channels.length * len(noise)))[:, :, None]
+    flat = spectra.reshape(-1, basis.shape[2])
     return Noise((flat.conj().T @ flat).real / (1.0 + LESS / basis.shape[2]), (), ())
 
 

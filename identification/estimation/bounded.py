@@ -68,12 +68,12 @@ def bounded(
             deviations.append((high - low) / np.sqrt(12.0))
     if not used:
         return None
-    u, stated = values, np.array(middles)
+    u, goals = values, np.array(middles)
     for _ in range(ROUNDS):
         now, slope = at(u)
         rows = slope[used]
         gain = np.linalg.solve(rows @ every @ rows.T + np.diag(np.square(deviations)), rows @ every).T
-        u = values + gain @ (stated - now[used] - rows @ (values - u))
+        u = values + gain @ (goals - now[used] - rows @ (values - u))
     reduction = np.eye(len(values)) - gain @ rows
     before, after = np.diag(every), np.diag(reduction @ every)
     if not np.any(after[before > 0.0] < WORTH**2 * before[before > 0.0]):

@@ -103,8 +103,9 @@ def nearest_body(
     free = Free.of(covariance)
     wide = larger_of(free.down @ covariance @ free.down.T, free.down @ robust @ free.down.T)
     every = free.lift @ wide @ free.lift.T
-    own = Free.of(every[np.ix_(places, places)])
-    root = own.lift @ np.linalg.cholesky(own.down @ every[np.ix_(places, places)] @ own.down.T)  # C = root root^T
+    subspace = Free.of(every[np.ix_(places, places)])
+    inside = subspace.down @ every[np.ix_(places, places)] @ subspace.down.T
+    root = subspace.lift @ np.linalg.cholesky(inside)  # C = root root^T
     at = u[places]
     unit = _unit_of(at, np.sqrt(np.diag(every)[places]))
     constraints = tuple(_linear(unit, len(places), bounds))

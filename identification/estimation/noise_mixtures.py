@@ -162,9 +162,9 @@ def _too_short(noises: Sequence[Parts], each: Sequence[Array]) -> tuple[Finding,
 
     Its lowest frequencies are below those that a run has; how large they are, only their tail says.
     """
-    parts = [own.shares[:, None] * of for own, of in zip(noises, each, strict=True)]
+    parts = [noise.shares[:, None] * of for noise, of in zip(noises, each, strict=True)]
     total = np.maximum(np.sum([np.sum(of, axis=0) for of in parts], axis=0), np.finfo(float).tiny)
-    slowest = [np.sum(of[1 : 1 + own.slowest], axis=0) for own, of in zip(noises, parts, strict=True)]
+    slowest = [np.sum(of[1 : 1 + noise.slowest], axis=0) for noise, of in zip(noises, parts, strict=True)]
     share = float(np.mean(np.sum(slowest, axis=0) / total))
     if share < TOO_SHORT:
         return ()

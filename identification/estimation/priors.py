@@ -93,7 +93,7 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
             parameters that neither data nor priors determine, by name, or a search that fails.
     """
     at = as_measurements(priors, model)
-    stated, std = (np.array([p[k] for p in priors]) for k in (1, 2))
+    measured, std = (np.array([p[k] for p in priors]) for k in (1, 2))
     (root, right, rest), rows, filtered = compress(regression, weights), regression.forces.size, regression.filtered
     scale = column_scale(root)
     zero = rows * np.finfo(float).eps  # the paper's (Fig. 3)
@@ -105,7 +105,7 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     root, right = root / noise, right / noise
 
     def residual(u: Array) -> Array:
-        return np.asarray(np.r_[root @ u - right, (at(u)[0] - stated) / std])
+        return np.asarray(np.r_[root @ u - right, (at(u)[0] - measured) / std])
 
     def slopes(u: Array) -> Array:
         return np.vstack([root, at(u)[1] / std[:, None]])

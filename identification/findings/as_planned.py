@@ -325,9 +325,10 @@ def _pace_where_fastest(comparison: PlanComparison) -> float | None:
     if len(both) < FEWEST:
         return None
     start = planned.t[pairs[both, 0]]
-    own, its = np.maximum(np.diff(planned.t)[pairs[both, 0]], 1e-9), np.diff(run.t)[pairs[both, 1]]
-    fast = own <= np.quantile(own, 1.0 - FASTEST)  # points are at equal distances: the shortest times are the fastest
-    pace, where = (its / own)[fast], start[fast]
+    of_plan, of_run = np.maximum(np.diff(planned.t)[pairs[both, 0]], 1e-9), np.diff(run.t)[pairs[both, 1]]
+    # points are at equal distances: the shortest times are the fastest
+    fast = of_plan <= np.quantile(of_plan, 1.0 - FASTEST)
+    pace, where = (of_run / of_plan)[fast], start[fast]
     blocks = np.array_split(pace[np.argsort(where)], max(1, min(PARTS, len(pace) // 5)))
     paces = np.array([np.median(block) for block in blocks])
     low, high = np.quantile(paces, [0.1, 0.9])

@@ -208,5 +208,6 @@ def _by_strength(through: Array, noise: Noise) -> tuple[Array, Array]:
 def _chance(news: Array, through: Array, noise: Noise, *directions: Array) -> float:
     """Of sums of the scores with these weights, shapes (s,)."""
     rows = np.array(directions)
-    own = noise.along(*directions)
-    return chance_of(rows @ news, own._replace(covariance=own.covariance + (rows @ through) @ (rows @ through).T))[1]
+    along = noise.along(*directions)
+    covariance = along.covariance + (rows @ through) @ (rows @ through).T
+    return chance_of(rows @ news, along._replace(covariance=covariance))[1]

@@ -68,7 +68,7 @@ def drift_of(fitted: Fitted) -> Drift | None:
 def _chances(found: Sizes) -> Array:
     """Probability of the size in each channel by noise, shape (6,)."""
     alone = [found.noise.along(axis) for axis in np.eye(6)]
-    return np.array([chance_of(found.values[k : k + 1], own)[1] for k, own in enumerate(alone)])
+    return np.array([chance_of(found.values[k : k + 1], noise)[1] for k, noise in enumerate(alone)])
 
 
 def _lacking(fitted: Fitted) -> Array | None:

@@ -223,8 +223,8 @@ def _of_clocks(run: LeftOut) -> Iterator[Alternative]:
         bend = run.derivative(run.expected, order)
         follow = phrase("derivative_of_forces", "the {order} derivative of the forces", order=word)
         yield Alternative("smoothing", follow, BY_LOW_PASS, bend[:, :, None])
-        own = phrase("derivative_of_own", "the {order} derivative of its own force", order=word)
-        yield Alternative("smoothing", follow, BY_LOW_PASS, in_own_channel(bend), each=_of_itself(own))
+        of_channel = phrase("derivative_of_own", "the {order} derivative of its own force", order=word)
+        yield Alternative("smoothing", follow, BY_LOW_PASS, in_own_channel(bend), each=_of_itself(of_channel))
     yield Alternative(
         "hysteresis",
         phrase("sign_of_rate", "the sign of the rate of the forces"),

@@ -146,11 +146,11 @@ def louder_than_stated(
         fitted: the fit.
         motion: as of `noise_by_drives`.
     """
-    fit, stated = fitted.fit, stated_noise(fitted.samples, fitted.fit, case)
-    if stated is None:
+    fit, noise_of_case = fitted.fit, stated_noise(fitted.samples, fitted.fit, case)
+    if noise_of_case is None:
         return []
     noise = noise_of_channels(fitted.samples, fit)
-    excess, limit = noise / stated, clear_excess(fit, LOUD)
+    excess, limit = noise / noise_of_case, clear_excess(fit, LOUD)
     worst = int(np.argmax(excess))
     if excess[worst] <= limit:
         return []
@@ -161,8 +161,8 @@ def louder_than_stated(
     channels = phrase("and_also", "{channel} (also {others})", channel=channel, others=", ".join(others))
     ratio = float(excess[worst])
     shaken = noise_by_drives(fitted, motion)
-    by_drives = bool(np.all(noise <= limit * np.hypot(stated, shaken)))
-    far = float(np.max(np.sqrt(np.maximum(noise**2 - shaken**2, 0.0)) / stated)) > FAR_ABOVE
+    by_drives = bool(np.all(noise <= limit * np.hypot(noise_of_case, shaken)))
+    far = float(np.max(np.sqrt(np.maximum(noise**2 - shaken**2, 0.0)) / noise_of_case)) > FAR_ABOVE
     sentence = phrase(
         "noise_excess",
         "residuals of {channels} are {times} times the white noise that the case states: {noise} {unit} where {key} "
@@ -170,14 +170,14 @@ def louder_than_stated(
         channels=channels if others else channel,
         times=f"{ratio:.2g}",
         noise=f"{noise[worst]:.2g}",
-        stated=f"{stated[worst]:.2g}",
+        stated=f"{noise_of_case[worst]:.2g}",
         unit=unit,
         key=key,
     )
     entry = {"ratios": excess.tolist(), "channel": channel, "noise": float(noise[worst]), "unit": unit}
-    entry["stated"] = float(stated[worst])
+    entry["stated"] = float(noise_of_case[worst])
     entry["by_drives"] = shaken.tolist()
-    if may_remember(fitted.samples, fit, recording.forces[~recording.bad], stated):
+    if may_remember(fitted.samples, fit, recording.forces[~recording.bad], noise_of_case):
         return [
             note(
                 Kind.NOISE,

@@ -147,10 +147,10 @@ class Told(NamedTuple):
         shown = self.scores, self.through, self.of_scores
         return min(chance_of_one(*shown), chance_of_all(*shown))
 
-    def worth(self, own: int) -> bool:
+    def worth(self, parameters: int) -> bool:
         """Whether they lower the deviation of one of so many parameters, or one of them is off."""
-        plain = np.diag(self.before + self.biases @ self.biases.T)[:own]
-        joint = np.diag(self.before + self.biases @ self.covariance @ self.biases.T)[:own]
+        plain = np.diag(self.before + self.biases @ self.biases.T)[:parameters]
+        joint = np.diag(self.before + self.biases @ self.covariance @ self.biases.T)[:parameters]
         return worth_estimating(plain, joint) or self.chance < UNLIKELY
 
     @property
@@ -274,14 +274,14 @@ def told_by(fitted: Fitted, case: Case, sizes: Array | None = None) -> Told | No
     )
 
 
-def _moved(shares: tuple[Share, ...], stated: Array, now: Array, step: Array) -> Array:
+def _moved(shares: tuple[Share, ...], deviations: Array, now: Array, step: Array) -> Array:
     """Sizes after a step, in units of their deviations; turns of the sensor follow each other and do not add up."""
     after, end = now + step, 0
     for share in shares:
         begin, end = end, end + share.biases.shape[1]
         if share.key == "sensor_deg":
-            first, second = (Rotation.from_rotvec(by[begin:end] * stated[begin:end]) for by in (now, step))
-            after[begin:end] = (first * second).as_rotvec() / stated[begin:end]
+            first, second = (Rotation.from_rotvec(by[begin:end] * deviations[begin:end]) for by in (now, step))
+            after[begin:end] = (first * second).as_rotvec() / deviations[begin:end]
     return after
 
 
@@ -387,12 +387,12 @@ def _larger(times: float) -> Phrase:
 
 def _figures(part: Part, told: Told) -> dict[str, float]:
     """Entries of a part, sizes in SI."""
-    stated = float(told.stated[part.place])
+    tolerance = float(told.stated[part.place])
     return {
         "deviations": part.deviations,
         "chance": part.chance,
-        "value": part.size * stated,
-        "std": part.std * stated,
+        "value": part.size * tolerance,
+        "std": part.std * tolerance,
         "times": part.times,
     }
 

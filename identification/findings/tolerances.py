@@ -213,11 +213,11 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
     by_kind: dict[str, Array] = {}
     for share in shares:
         by_kind[share.kind] = by_kind.get(share.kind, 0.0) + variances(share.covariance)
-    stated = np.sum(list(by_kind.values()), axis=0)
+    by_tolerances = np.sum(list(by_kind.values()), axis=0)
     memory = np.maximum(robust - white, 0.0)
-    by_residuals = np.maximum(variances(allowed.fit.covariance_robust) - robust - stated, 0.0)
+    by_residuals = np.maximum(variances(allowed.fit.covariance_robust) - robust - by_tolerances, 0.0)
     parts = {
-        NOISE: np.maximum(total - memory - by_residuals - stated, 0.0),
+        NOISE: np.maximum(total - memory - by_residuals - by_tolerances, 0.0),
         MEMORY: memory,
         SHOWN: by_residuals,
     } | by_kind

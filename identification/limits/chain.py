@@ -225,7 +225,9 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
     last = len(chain.joints)
     owners = [(0, still, chain.base), *((k + 1, frames[k], joint.bodies) for k, joint in enumerate(chain.joints))]
     bodies = [
-        _body(link, frame, body, half) for link, frame, own in (*owners, (last, frames[-1], chain.tool)) for body in own
+        _body(link, frame, body, half)
+        for link, frame, bodies_of_link in (*owners, (last, frames[-1], chain.tool))
+        for body in bodies_of_link
     ]
     moving = [body for body in bodies if body.link]
     for box in chain.keep_out:
@@ -251,7 +253,7 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
 def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: Array) -> _Body:
     """A body in {B}, and its way in half a step, shape (n,) [s]: no point between others is faster than all of them."""
     places = [[frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.points] for frame in frames]
-    speed, acceleration = (np.linalg.norm(own, axis=2).max(axis=0) for own in places[1:])
+    speed, acceleration = (np.linalg.norm(rates, axis=2).max(axis=0) for rates in places[1:])
     way = (speed + acceleration * half / 2) * half
     if body.corners_mm is None:
         return _Body(link, body.name, places[0][0], places[0][1], body.radius, way, None, 0.0)

@@ -244,7 +244,7 @@ def _by_kind(
     """Translations and rotations of a derivative of the coordinates; the kind of each, values in SI."""
     for kind, axes in zip(kinds, (~limits.turns, limits.turns), strict=True):
         if axes.any():
-            labels = tuple(label for label, own in zip(limits.labels, axes, strict=True) if own)
+            labels = tuple(label for label, of_its_kind in zip(limits.labels, axes, strict=True) if of_its_kind)
             yield Quantity.between(kind, labels, values[:, axes], low[axes], high[axes])
 
 

@@ -93,7 +93,7 @@ def sensor_loads(values: Array, loads: Loads) -> Iterable[Quantity]:
     """Forces, shape (n, channels) [N or N m], with every body that the case expects, against 80 % of the range."""
     for kind, channels in ((LimitKind.SENSOR_FORCE, ~loads.moments), (LimitKind.SENSOR_MOMENT, loads.moments)):
         if channels.any():
-            labels = tuple(label for label, own in zip(loads.labels, channels, strict=True) if own)
+            labels = tuple(label for label, of_its_kind in zip(loads.labels, channels, strict=True) if of_its_kind)
             limit = loads.limit[channels]
             yield Quantity.between(kind, labels, values[:, channels], -limit, limit)
 
@@ -117,13 +117,13 @@ def _in_struts(
     lever = length * mass - first_moment  # first moment of the rod about the base joint
     across = inert * bend + 2.0 * speed * lever * turning - (sensors.tube_first_moment_kg_m + lever) * weight
     spin = rotation[1] @ turn.transpose(0, 2, 1)  # S(omega) in {B}
-    own, omega = np.cross(n, turning), spin[:, None, (2, 0, 1), (1, 2, 0)]
+    of_strut, omega = np.cross(n, turning), spin[:, None, (2, 0, 1), (1, 2, 0)]
     at_base, at_platform = (  # moments against which a strut turns in its base joint, and against the platform
         viscous * rate + coulomb * rate / np.maximum(np.linalg.norm(rate, axis=2, keepdims=True), 1e-12)
         for viscous, coulomb, rate in zip(
             sensors.viscous_friction_Nms or (0.0, 0.0),
             sensors.coulomb_friction_Nm or (0.0, 0.0),
-            (own, own - omega),
+            (of_strut, of_strut - omega),
             strict=True,
         )
     )

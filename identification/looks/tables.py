@@ -31,9 +31,9 @@ def says_how(case: Case) -> bool:
     return bool(case.recording.model_fields_set - {"filter_cutoff_Hz", "rate_Hz"})
 
 
-def look_at_tables(files: Sequence[Path], case: Case | None, own: str | None) -> Look:
+def look_at_tables(files: Sequence[Path], case: Case | None, refusal: str | None) -> Look:
     """The look at tables of text or Parquet; `own`: why the [recording] of the case does not read them."""
-    reads = case is not None and says_how(case) and own is None
+    reads = case is not None and says_how(case) and refusal is None
     laid_out = None if reads or case is None else _as_laid_out(files, case)
     if laid_out is not None:
         proposals, settings, trial = laid_out
@@ -53,9 +53,12 @@ def look_at_tables(files: Sequence[Path], case: Case | None, own: str | None) ->
         for file, _, proposal in proposals
         for doubt in (*proposal.doubts, *missing_parts(proposal.places, whole, proposal.settings))
     ]
-    if own not in (None, problem) and not any("which the file does not have" in doubt for doubt in doubts):
+    if refusal not in (None, problem) and not any("which the file does not have" in doubt for doubt in doubts):
         doubts.insert(
-            0, phrase("does_not_read", "the [recording] that the case has does not read it: {why}", why=said(own or ""))
+            0,
+            phrase(
+                "does_not_read", "the [recording] that the case has does not read it: {why}", why=said(refusal or "")
+            ),
         )
     for file, table, proposal in proposals:
         unnamed = list(_of_unnamed(table, proposal))

@@ -177,8 +177,8 @@ def _worst(m: Motion, case: Case) -> float:
     limits = case.need_motion("re-timing")[1]
     struts, most = machine_of(case).further_drives(case, m.coordinates, m.rates, m.accelerations)
     velocity, acceleration = (
-        max(np.max(np.abs(own) / limit), np.max(np.abs(values) / others, initial=0.0))
-        for own, limit, values, others in zip(
+        max(np.max(np.abs(coordinates) / limit), np.max(np.abs(values) / others, initial=0.0))
+        for coordinates, limit, values, others in zip(
             (m.rates, m.accelerations), (limits.rate, limits.acceleration), struts, most, strict=True
         )
     )
@@ -209,10 +209,10 @@ def _constraint(path: Trajectory, case: Case, shares: Array, hurry: float, force
         raise UntimedMotion(f"the path has {100 * ends.max():.3g} % of a rate limit at an end; it must rest there")
     by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
     struts, most = machine_of(case).further_drives(case, motion.coordinates, *by_share)
-    first, second = (np.hstack([own, values]) for own, values in zip(by_share, struts, strict=True))
+    first, second = (np.hstack([coordinates, values]) for coordinates, values in zip(by_share, struts, strict=True))
     velocity, acceleration = (
-        np.concatenate([own, limit]) * (1.0 - UNUSED_SHARE)
-        for own, limit in zip((limits.rate, limits.acceleration), most, strict=True)
+        np.concatenate([coordinates, limit]) * (1.0 - UNUSED_SHARE)
+        for coordinates, limit in zip((limits.rate, limits.acceleration), most, strict=True)
     )
     with np.errstate(divide="ignore"):
         squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
@@ -220,13 +220,13 @@ def _constraint(path: Trajectory, case: Case, shares: Array, hurry: float, force
     constant = np.zeros_like(first)
     if forces is not None:
         still = np.zeros_like(motion.coordinates)
-        own = forces(motion.coordinates, still, still)
-        by_change = forces(motion.coordinates, still, by_share[0]) - own
-        by_square = forces(motion.coordinates, by_share[0], by_share[1]) - own
+        at_rest = forces(motion.coordinates, still, still)
+        by_change = forces(motion.coordinates, still, by_share[0]) - at_rest
+        by_square = forces(motion.coordinates, by_share[0], by_share[1]) - at_rest
         first, second, constant = (
-            np.hstack(pair) for pair in ((first, by_change), (second, by_square), (constant, own))
+            np.hstack(pair) for pair in ((first, by_change), (second, by_square), (constant, at_rest))
         )
-        acceleration = np.concatenate([acceleration, np.full(own.shape[1], 1.0 - UNUSED_SHARE)])
+        acceleration = np.concatenate([acceleration, np.full(at_rest.shape[1], 1.0 - UNUSED_SHARE)])
 
     class AllLimits(LinearConstraint):  # type: ignore[misc]
         """All limits at once, computed for all gridpoints in one go."""

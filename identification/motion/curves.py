@@ -39,7 +39,7 @@ class PolynomialMotion:
         """From c_0 to c_d, shape (d + 1, n), and duration [s] of each, whatever their degrees."""
         coefficients, durations = zip(*pieces, strict=True)
         most = max(map(len, coefficients))
-        table = [np.pad(own, ((0, most - len(own)), (0, 0))) for own in coefficients]
+        table = [np.pad(piece, ((0, most - len(piece)), (0, 0))) for piece in coefficients]
         return cls(np.stack(table, axis=1), np.array(durations))
 
     def at_starts(self, order: int) -> Array:

@@ -33,13 +33,13 @@ class Entry:
     Args:
         when: when its recording was written; of earlier results, which do not say it, when they were.
         result: the result.
-        own: variances of its physical parameters by its own noise, without tolerances, by name.
+        variances: of its physical parameters by its own noise, without tolerances, by name.
         tolerances: what each size of a tolerance does to a physical parameter, by name, shapes (k,) by key.
     """
 
     when: datetime
     result: Result
-    own: Mapping[str, float]
+    variances: Mapping[str, float]
     tolerances: Mapping[str, Mapping[str, Array]]
 
 
@@ -287,9 +287,13 @@ def _entry(result: Result) -> Entry:
         name: {key: jacobian[k] @ bias for key, bias in biases.items()}
         for k, name in enumerate(names)
     }  # fmt: skip
-    stated = result.record.recorded_at
+    recorded_at = result.record.recorded_at
     assert result.file is not None
-    when = datetime.fromtimestamp(result.file.stat().st_mtime) if stated is None else datetime.fromisoformat(stated)
+    when = (
+        datetime.fromtimestamp(result.file.stat().st_mtime)
+        if recorded_at is None
+        else datetime.fromisoformat(recorded_at)
+    )
     return Entry(when.astimezone(), result, dict(zip(names, std.tolist(), strict=True)), rows)
 
 
@@ -300,7 +304,7 @@ def _leaps(of: History) -> list[Leap]:
     for before, after in pairs:
         for name in of.names:
             change = after.result[name].value - before.result[name].value
-            variance = before.own[name] + after.own[name] + _by_tolerances(before, after, name)
+            variance = before.variances[name] + after.variances[name] + _by_tolerances(before, after, name)
             if change**2 > most**2 * variance > 0.0:
                 leaps.append(Leap(name, before, after, change, float(np.sqrt(variance))))
     return leaps
@@ -331,7 +335,7 @@ def _changes_over_all(of: History, leapt: set[str]) -> list[Leap | Drift]:
     names = [name for name in of.names if name not in leapt]
     most, changes = _most(max(len(names), 1)), list[Leap | Drift]()
     for name in names:
-        variances = np.array([entry.own[name] for entry in entries])
+        variances = np.array([entry.variances[name] for entry in entries])
         if not variances.min() > 0.0:
             continue
         values, weights = np.array([entry.result[name].value for entry in entries]), 1.0 / variances

@@ -217,13 +217,13 @@ def _deviations(result: Result, largest: LargestDeviations) -> Iterator[Check | 
 
 def of_reference(parameters: Mapping[str, Value], reference: Reference) -> Iterator[Check | str]:
     """E_n of each parameter that a reference states: |difference| over the root of both squared U (k = 2)."""
-    stated: dict[str, tuple[float, float]] = {}
+    reference_values: dict[str, tuple[float, float]] = {}
     if reference.mass_kg is not None and reference.mass_U_kg is not None:
-        stated["m"] = (reference.mass_kg, reference.mass_U_kg)
+        reference_values["m"] = (reference.mass_kg, reference.mass_U_kg)
     if reference.centre_of_gravity_mm is not None and reference.centre_of_gravity_U_mm is not None:
         values = zip(("xC", "yC", "zC"), reference.centre_of_gravity_mm, strict=True)
-        stated |= {name: (value * MM, reference.centre_of_gravity_U_mm * MM) for name, value in values}
-    for name, (value, expanded) in stated.items():
+        reference_values |= {name: (value * MM, reference.centre_of_gravity_U_mm * MM) for name, value in values}
+    for name, (value, expanded) in reference_values.items():
         if name not in parameters:
             yield phrase("reference_unknown", "reference of {name}: it is not determined here", name=name)
         else:

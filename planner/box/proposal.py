@@ -60,8 +60,8 @@ def proposed_box(case: Case, seed: int = 0) -> ProposedBox:
         poses = home + box[0] + fractions * (box[1] - box[0])
         return float(standing_ratios(case, poses).max()) <= 1.0 - INSIDE
 
-    stated = limits.coordinates
-    if float(standing_ratios(case, home[None]).max()) > 1.0 + TOLERANCE or not fits(np.zeros_like(stated)):
+    ranges = limits.coordinates
+    if float(standing_ratios(case, home[None]).max()) > 1.0 + TOLERANCE or not fits(np.zeros_like(ranges)):
         raise CaseError(
             file=case.origin,
             key="limits.motion",
@@ -69,24 +69,24 @@ def proposed_box(case: Case, seed: int = 0) -> ProposedBox:
             remedy=phrase("move_home", "move home"),
             code=Code.INFEASIBLE,
         )
-    whole = fits(stated)
-    box = stated if whole else stated * _largest(lambda share: fits(stated * share))
+    whole = fits(ranges)
+    box = ranges if whole else ranges * _largest(lambda share: fits(ranges * share))
     for _ in range(0 if whole else PASSES):
-        for place in np.ndindex(*stated.shape):
-            box = _widened(box, stated, place, fits)
+        for place in np.ndindex(*ranges.shape):
+            box = _widened(box, ranges, place, fits)
     units = own_units(POSE) if case.chain is None else case.chain.units
     rounded = np.where(box < 0.0, np.ceil(box / units * 10.0), np.floor(box / units * 10.0)) / 10.0
     keys = POSE if case.chain is None else case.chain.names
-    share = float(np.prod(np.ptp(rounded * units, axis=0) / np.ptp(stated, axis=0)))
+    share = float(np.prod(np.ptp(rounded * units, axis=0) / np.ptp(ranges, axis=0)))
     return ProposedBox(dict(zip(keys, map(tuple, rounded.T.tolist()), strict=True)), min(share, 1.0), len(fractions))
 
 
-def _widened(box: Array, stated: Array, place: tuple[int, ...], fits: Callable[[Array], bool]) -> Array:
+def _widened(box: Array, ranges: Array, place: tuple[int, ...], fits: Callable[[Array], bool]) -> Array:
     """The box with one of its sides moved outwards as far as it fits."""
 
     def moved(share: float) -> Array:
         wider = box.copy()
-        wider[place] += share * (stated[place] - box[place])
+        wider[place] += share * (ranges[place] - box[place])
         return wider
 
     return moved(1.0 if fits(moved(1.0)) else _largest(lambda share: fits(moved(share))))

@@ -103,10 +103,10 @@ def linear_rows(
     rows, first, orders = [], [], []
     for order, limit in enumerate((half, box.rate, box.acceleration, box.jerk)):
         matrix, begins = limits[order]
-        own = limit / half if order > 1 else limit / half - slips[order]
-        limited = np.isfinite(own)
+        limit_of_shares = limit / half if order > 1 else limit / half - slips[order]
+        limited = np.isfinite(limit_of_shares)
         if limited.any():
-            rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[limited]), format="csr"))
+            rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / limit_of_shares)[limited]), format="csr"))
             first.append(np.repeat(begins, limited.sum()))
             orders.append(np.full(rows[-1].shape[0], order))
     starts = np.concatenate(first)

@@ -152,27 +152,29 @@ class PointToPointFamily(Family):
         places = n * (count + 1)
         move = np.arange(count)[:, None]
         index = np.hstack([n * move + np.arange(2 * n), places + 3 * move + np.arange(3)])
-        own = ca.SX.sym("move", 2 * n + 3)
-        start, end = (ca.DM(self.middle) + ca.DM(self.half) * place for place in (own[:n], own[n : 2 * n]))
+        own_unknowns = ca.SX.sym("move", 2 * n + 3)
+        start, end = (
+            ca.DM(self.middle) + ca.DM(self.half) * place for place in (own_unknowns[:n], own_unknowns[n : 2 * n])
+        )
 
         def states(points: tuple[tuple[int, float], ...]) -> KernelStates:
-            times = own[2 * n :] * self.unit
+            times = own_unknowns[2 * n :] * self.unit
             columns = []
             for point in points:
                 alike = sum(phase == point[0] for phase, _ in points)
                 share = _phases(times)[point[0]] / alike / self.duration
                 columns += [*state_of_move(start, end, times, point), share]
-            return KernelStates(index, Kernel(own, ca.vertcat(*columns)), state_size(n))
+            return KernelStates(index, Kernel(own_unknowns, ca.vertcat(*columns)), state_size(n))
 
-        tj, th, tc = ca.vertsplit(own[2 * n :])
-        velocity = (own[n : 2 * n] - own[:n]) / (2 * tj + th + tc)
+        tj, th, tc = ca.vertsplit(own_unknowns[2 * n :])
+        velocity = (own_unknowns[n : 2 * n] - own_unknowns[:n]) / (2 * tj + th + tc)
         acceleration = velocity / (tj + th)
         maxima = (velocity, acceleration) if self.steps else (velocity, acceleration, acceleration / tj)
         peaks = [
             ca.DM(self.half / limit / self.unit**order) * peak
             for order, (peak, limit) in enumerate(zip(maxima, self.limits, strict=True), start=1)
         ]
-        kernel = Kernel(own, ca.vertcat(*peaks))  # of the unknowns of each move themselves
+        kernel = Kernel(own_unknowns, ca.vertcat(*peaks))  # of the unknowns of each move themselves
         width = 2 * n + 3
         own_states = LinearStates(index, np.zeros((count, 1, width)), np.tile(np.eye(width), (count, 1, 1, 1)))
         total = np.r_[np.zeros(places), np.tile([4.0, 2.0, 1.0], count)] / count

@@ -104,8 +104,10 @@ class PacedRows:
     def jacobian(self, unknowns: Array) -> Array:
         """Derivatives, in the order of `pattern`."""
         pace, powers, row = unknowns[-1], self._powers, self.linear.pattern[0]
-        own = self.linear.jacobian(unknowns[:-1]) * pace ** powers[row]
-        return np.concatenate([own, self.linear.values(unknowns[:-1]) * powers * pace ** np.maximum(powers - 1, 0)])
+        by_others = self.linear.jacobian(unknowns[:-1]) * pace ** powers[row]
+        return np.concatenate(
+            [by_others, self.linear.values(unknowns[:-1]) * powers * pace ** np.maximum(powers - 1, 0)]
+        )
 
     def curvature(self, unknowns: Array, multipliers: Array) -> tuple[Indices, Array]:
         """All unknowns, shape (1, m), and second derivatives of the weighted rows by them, shape (1, m, m)."""
@@ -170,12 +172,12 @@ class StateRows:
         rows = slopes.transpose(0, 2, 1) @ self.states.slopes(unknowns)[self.needed]
         return np.asarray(rows[self.chosen[self.needed]]).ravel()
 
-    def add_curvature(self, at: Array, multipliers: Array, own: Array, pull: Array) -> None:
+    def add_curvature(self, at: Array, multipliers: Array, second: Array, pull: Array) -> None:
         """Adds derivatives of the weighted rows by the states `at`, shape (B, S, d).
 
         Args:
             multipliers: weights of the rows, shape (R,).
-            own: second derivatives, to which is added, shape (B, S, d, d).
+            second: second derivatives, to which is added, shape (B, S, d, d).
             pull: first ones, shape (B, S, d).
         """
         if not len(multipliers):
@@ -183,23 +185,23 @@ class StateRows:
         weights = np.zeros(self.chosen.shape)
         weights[self.chosen] = multipliers
         needed, weights = self.needed, weights[self.needed]
-        own[needed] += self.kernel.curvature(at[needed], weights)
+        second[needed] += self.kernel.curvature(at[needed], weights)
         pull[needed] += (self.kernel.slopes(at[needed])[1] @ weights[:, :, None])[:, :, 0]
 
 
 Rows = LinearRows | PacedRows | StateRows
 
 
-def pulled_back(states: States, unknowns: Array, own: Array, pull: Array) -> Array:
+def pulled_back(states: States, unknowns: Array, second: Array, pull: Array) -> Array:
     """Second derivative of a function of states by the unknowns of their blocks, shape (B, m, m).
 
     Args:
-        own: second derivatives of the function by each state, shape (B, S, d, d).
+        second: second derivatives of the function by each state, shape (B, S, d, d).
         pull: its first derivatives, shape (B, S, d).
     """
     blocks, width = states.index.shape
     slopes = states.slopes(unknowns)
-    tall = (own @ slopes).reshape(blocks, -1, width)
+    tall = (second @ slopes).reshape(blocks, -1, width)
     result = slopes.reshape(blocks, -1, width).transpose(0, 2, 1) @ tall
     curvature = states.curvature(unknowns, pull)
     return np.asarray(result if curvature is None else result + curvature)

@@ -114,12 +114,12 @@ def linear_states(maps: Sequence[Array], middle: Array, half: Array, shares: Arr
     active = np.abs(table).max(axis=(1, 2)) > 0.0
     width = int(active.sum(axis=1).max())
     columns = np.argsort(~active, axis=1, kind="stable")[:, :width]  # those in use first
-    own = np.take_along_axis(table, columns[:, None, None, :], axis=3)
+    splines = np.take_along_axis(table, columns[:, None, None, :], axis=3)
     n = len(middle)
     slope = np.zeros((blocks, count, state_size(n), width, n))
     for order in range(3):
         for k in range(n):
-            slope[:, :, n * order + k, :, k] = own[:, :, order] * half[k]
+            slope[:, :, n * order + k, :, k] = splines[:, :, order] * half[k]
     offset = np.zeros((blocks, count, state_size(n)))
     offset[:, :, :n] = middle
     offset[:, :, SHARE] = shares.reshape(blocks, -1)
@@ -164,8 +164,8 @@ class PacedStates:
     @cached_property
     def index(self) -> Indices:
         """The unknowns on which the block depends, shape (1, m)."""
-        own = self.linear.index
-        return np.hstack([own, np.full((1, 1), own.max() + 1)])
+        unknowns = self.linear.index
+        return np.hstack([unknowns, np.full((1, 1), unknowns.max() + 1)])
 
     def _powers(self, pace: float, derivative: int) -> Array:
         """A derivative of the powers of the pace with which each component of a state grows, shape (d, 1)."""

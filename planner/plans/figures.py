@@ -143,10 +143,10 @@ def prediction_at_poses(
     values = nominal_parameters(plain, case.body(0)) if values is None else values
     if case.tolerances is None:
         return Prediction(plain, values, covariance).with_bounds(case.bounds)
-    one, stated = sensor_noise(case), case.sensors.force_noise
+    one, noise_of_case = sensor_noise(case), case.sensors.force_noise
     expected = ExpectedNoise(one, one**2 * np.eye(6), "equal", False)
-    if model.whitening is not None and stated is not None:
-        expected = ExpectedNoise(one, np.diag(stated**2), "stated", False)
+    if model.whitening is not None and noise_of_case is not None:
+        expected = ExpectedNoise(one, np.diag(noise_of_case**2), "stated", False)
     more = tolerated_at_poses(case, plain, values, poses, covariance, expected, noise)
     prediction = Prediction(plain, values, covariance + more.noise, more.biases, more.lasting)
     return prediction.with_bounds(case.bounds)

@@ -306,7 +306,7 @@ def _tolerated(
     from identification.findings.tolerances import shares_of
     from identification.samples.samples import MotionOfSamples
 
-    bars, own, t, late = case.sensor_frame.bars, len(values), at.t, at.late
+    bars, count, t, late = case.sensor_frame.bars, len(values), at.t, at.late
     of_samples = MotionOfSamples(np.ones(len(t), dtype=bool), at.load, at.drives, machine_of(case))
     ends = None if bars is None else (bars.lower.points, bars.upper.points)
     none = np.zeros(0, dtype=np.int64)
@@ -318,13 +318,13 @@ def _tolerated(
         columns, columns, np.zeros((len(t), 6)), root.T @ root, np.arange(len(t)), coloured=False, freedom=6.0 * len(t)
     )
     shares = shares_of(left_out, rest, np.eye(columns.shape[2]), case.tolerances)
-    plain = {s.key: s.biases[:own] for s in shares if s.biases.shape[1]}
-    nothing = Tolerated(np.zeros((own, own)), plain, plain)
+    plain = {s.key: s.biases[:count] for s in shares if s.biases.shape[1]}
+    nothing = Tolerated(np.zeros((count, count)), plain, plain)
     estimated_sizes = shown(shares, case)
     if not estimated_sizes or case.sensors.pose_field is not None:  # errors of the pose look like sizes, and hide them
         return nothing
     strength = share * _strength(np.concatenate([s.residuals for s in estimated_sizes], axis=2), channels)
-    both = np.concatenate([s.biases[:own] for s in estimated_sizes], axis=1)
+    both = np.concatenate([s.biases[:count] for s in estimated_sizes], axis=1)
     stays = joint_covariance(strength)
     if not worth_estimating(np.diag(noise + both @ both.T), np.diag(noise + both @ stays @ both.T)):
         return nothing

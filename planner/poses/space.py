@@ -51,8 +51,8 @@ class Space(Protocol):
 
     def poses(self, shares: Array, like: Array) -> Array:
         """Poses of shares, shape (n, k) [m or rad]; `like` as of `pose`, one for each or for all."""
-        own = ca.SX.sym("share", self.size), ca.SX.sym("like", like.shape[-1])
-        function = ca.Function("pose", [*own], [ca.densify(self.pose(*own))])
+        symbols = ca.SX.sym("share", self.size), ca.SX.sym("like", like.shape[-1])
+        function = ca.Function("pose", [*symbols], [ca.densify(self.pose(*symbols))])
         return over_samples(function, shares, np.broadcast_to(like, (len(shares), like.shape[-1])))[0]
 
 

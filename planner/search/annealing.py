@@ -162,18 +162,21 @@ class Walk:
         remainder = np.where(present, self.passed[origin], 0.0).sum(axis=1)
         bound = self.logdet + (gains - self.traces.sum()) / self.count - EXCESS * remainder
         for k in np.flatnonzero(valid & (bound >= chances)):
-            own = number == k
-            excess = _in_blocks(self.excess_of, starts[own], ends[own])
+            of_move = number == k
+            excess = _in_blocks(self.excess_of, starts[of_move], ends[of_move])
             if excess[:, 1].max(initial=0.0) > POSE_REACHED:
                 continue
             all_rows = np.empty_like(self.rows)
-            all_rows[present[k]], all_rows[place[own]] = self.rows[origin[k][present[k]]], rows[own]
+            all_rows[present[k]], all_rows[place[of_move]] = self.rows[origin[k][present[k]]], rows[of_move]
             flat = all_rows.reshape(-1, size)
             sign, logdet = np.linalg.slogdet(flat.T @ flat / self.count + self.beside)
             value = logdet - EXCESS * (remainder[k] + excess[:, 0].sum())
             if sign > 0 and value >= chances[k]:
                 violations = np.empty(self.count)
-                violations[present[k]], violations[place[own]] = self.passed[origin[k][present[k]]], excess[:, 0]
+                violations[present[k]], violations[place[of_move]] = (
+                    self.passed[origin[k][present[k]]],
+                    excess[:, 0],
+                )
                 self.points, self.rows, self.passed = points[k], all_rows, violations
                 self._take()
                 if self.value > self.best:

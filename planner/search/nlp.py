@@ -119,9 +119,9 @@ class NonlinearProgram:
         """Row and column of each derivative of the rows."""
         first, rows, columns = 0, [], []
         for part in self.rows:
-            own = part.pattern
-            rows.append(own[0] + first)
-            columns.append(own[1])
+            pattern = part.pattern
+            rows.append(pattern[0] + first)
+            columns.append(pattern[1])
             first += len(part.upper)
         return np.concatenate(rows), np.concatenate(columns)
 
@@ -233,10 +233,10 @@ class NonlinearProgram:
         for parts in at_states.values():
             states = parts[0][0].states
             at = states.at(unknowns)
-            own, pull = np.zeros((*at.shape, at.shape[2])), np.zeros(at.shape)
+            second, pull = np.zeros((*at.shape, at.shape[2])), np.zeros(at.shape)
             for limits, weights in parts:
-                limits.add_curvature(at, weights, own, pull)
-            blocks.append((states.index, pulled_back(states, unknowns, own, pull)))
+                limits.add_curvature(at, weights, second, pull)
+            blocks.append((states.index, pulled_back(states, unknowns, second, pull)))
         return blocks
 
     def _curvature_at_states(self, unknowns: Array, local: Local, point: InformationOfStates) -> Array:

@@ -207,7 +207,7 @@ def _origin(result: Result) -> list[str]:
     ]
 
 
-def rendered(template: str, result: Result, name: str, **own: Any) -> str:
+def rendered(template: str, result: Result, name: str, **further: Any) -> str:
     """A template filled with the values of a model called `name` that every language states, and with further ones."""
     case, model = result.case, result.model
     drives = case.recording.drives if case.hexapod is not None else None
@@ -236,7 +236,7 @@ def rendered(template: str, result: Result, name: str, **own: Any) -> str:
             {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"} for p, v, s in rows
         ],
     }
-    return environment().get_template(template).render(shared | own)
+    return environment().get_template(template).render(shared | further)
 
 
 def number(value: float) -> str:

@@ -260,8 +260,8 @@ def _statements(function: ca.Function, spelling: Spelling, parameters: list[str]
             values[written[0]] = f"({literal})" if literal.startswith("-") else literal
         elif code == ca.OP_INPUT:
             argument, element = function.name_in(read[0]), read[1]
-            own = argument == "u"
-            values[written[0]] = f"{spelling.member}{parameters[element]}" if own else f"{argument}[{element}]"
+            is_parameter = argument == "u"
+            values[written[0]] = f"{spelling.member}{parameters[element]}" if is_parameter else f"{argument}[{element}]"
         elif code == ca.OP_OUTPUT:
             yield spelling.assignment.format(f"{function.name_out(written[0])}[{written[1]}]", values[read[0]])
         else:

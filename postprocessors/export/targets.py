@@ -175,18 +175,18 @@ def _target(target: str) -> AnyTarget | None:
     return SINGLE_FILES.get(target)
 
 
-def _text(result: Carried, target: str, own: AnyTarget, name: str, frame: str | None) -> str:
-    if isinstance(own, Target):
+def _text(result: Carried, target: str, kind: AnyTarget, name: str, frame: str | None) -> str:
+    if isinstance(kind, Target):
         _require_no_frame(target, frame)
-        return own.text(_whole(result, target), name)
-    if isinstance(own, ChainTarget):
-        return own.text(_whole(result, target), name, frame_named(frame or "sensor"))
+        return kind.text(_whole(result, target), name)
+    if isinstance(kind, ChainTarget):
+        return kind.text(_whole(result, target), name, frame_named(frame or "sensor"))
     if isinstance(result, Payload):
         require_added(result)
-    if isinstance(own, RobotTarget):
+    if isinstance(kind, RobotTarget):
         _require_no_frame(target, frame)
-        return own.text(result, name)
-    return own.text(result, name, own.usual if frame is None else frame_named(frame))
+        return kind.text(result, name)
+    return kind.text(result, name, kind.usual if frame is None else frame_named(frame))
 
 
 def _usual_name(result: Carried) -> str:

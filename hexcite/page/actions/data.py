@@ -100,11 +100,11 @@ def remedies(context: Context, there: Workspace, fields: Fields) -> list[Remedy]
     name = field(fields, "result")
     if name:
         result = next(result for result in there.results if result.name == result_of(there, fields))
-        stated = [each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]
+        remedies = [each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]
     else:
         refused = context.jobs.latest(context.machine.key, "identify", recording_of(there, fields).name)
-        stated = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
-    return stated
+        remedies = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
+    return remedies
 
 
 def remedies_of(answer: Any) -> list[Remedy]:
@@ -114,10 +114,10 @@ def remedies_of(answer: Any) -> list[Remedy]:
     return [Remedy(str(each["words"]), _writes(each), each.get("phrase")) for each in answer.get("remedies") or ()]
 
 
-def _writes(stated: Mapping[str, Any]) -> tuple[Write, ...]:
+def _writes(remedy: Mapping[str, Any]) -> tuple[Write, ...]:
     """Keys of a remedy, with deviations where results state them."""
-    deviations = stated.get("deviations") or [None] * len(stated["keys"])
-    both = zip(stated["keys"], deviations, strict=True)
+    deviations = remedy.get("deviations") or [None] * len(remedy["keys"])
+    both = zip(remedy["keys"], deviations, strict=True)
     return tuple(Write(tuple(place), value, deviation) for (place, value), deviation in both)
 
 

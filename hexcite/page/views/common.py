@@ -59,7 +59,7 @@ def limits(words: Words, limits: Mapping[str, Any]) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda row: -float(str(row["share"])))
 
 
-def remedies(stated: Sequence[Remedy]) -> list[dict[str, Any]]:
+def remedies(offered: Sequence[Remedy]) -> list[dict[str, Any]]:
     """Remedies by keys: their words, and lines as a case file has them."""
     return [
         {
@@ -67,7 +67,7 @@ def remedies(stated: Sequence[Remedy]) -> list[dict[str, Any]]:
             "phrase": each.phrase,
             "lines": [_line(write) for write in each.keys],
         }
-        for each in stated
+        for each in offered
     ]
 
 

@@ -49,11 +49,11 @@ def acceleration_charts(
         of: whose they are, for the caption.
     """
     charts = []
-    for kind, own, labels, unit in AXES:
-        series = () if measured is None else lines(measured[0], measured[1][:, own], labels, 1.2, most=POINTS)
+    for kind, axes, labels, unit in AXES:
+        series = () if measured is None else lines(measured[0], measured[1][:, axes], labels, 1.2, most=POINTS)
         if planned is not None:
             dash: Dash = "dash" if measured is not None else "solid"
-            series += lines(planned[0], planned[1][:, own], labels, 1.2, dash, most=POINTS)
+            series += lines(planned[0], planned[1][:, axes], labels, 1.2, dash, most=POINTS)
         words = "lines: by the drives, behind the evaluation's filter; dashed: planned"
         if planned is None or measured is None:
             words = "planned" if measured is None else "by the drives, behind the evaluation's filter"
@@ -79,7 +79,7 @@ def summary(measured: Accelerations, planned: Accelerations) -> str:
     expected = np.array([np.interp(measured[0][inside], planned[0], column) for column in planned[1].T]).T
     away = measured[1][inside] - expected
     parts = []
-    for kind, own, _, unit in AXES:
-        size, whole = np.sqrt(np.mean(away[:, own] ** 2)), np.sqrt(np.mean(expected[:, own] ** 2))
+    for kind, axes, _, unit in AXES:
+        size, whole = np.sqrt(np.mean(away[:, axes] ** 2)), np.sqrt(np.mean(expected[:, axes] ** 2))
         parts.append(f"{kind} {size:.2g} of {whole:.2g} {unit} rms")
     return f"measured less planned accelerations: {', '.join(parts)}"

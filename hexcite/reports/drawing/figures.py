@@ -25,24 +25,24 @@ def motion_blocks(case: Case, motion: Motion) -> tuple[Chart, ...]:
     )
     charts = []
     for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
-        for kind, own, unit, factor in (
+        for kind, axes, unit, factor in (
             ("translation", ~box.turns, length_unit, to_length),
             ("rotation", box.turns, angle_unit, to_angle),
         ):
-            if not own.any():
+            if not axes.any():
                 continue
-            labels = [label for label, its in zip(box.labels, own, strict=True) if its]
+            labels = [label for label, its in zip(box.labels, axes, strict=True) if its]
             chart = Chart(
                 f"{name.split()[0]}-{kind}",
                 f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: the limits of the axis in its colour.",
-                lines(motion.t, values[:, own] * factor, labels, 1.6),
+                lines(motion.t, values[:, axes] * factor, labels, 1.6),
                 Axis("time [s]"),
                 Axis(f"{name} [{unit}]"),
                 tuple(
-                    Rule("y", float(value), colour(k)) for row in limit[:, own] * factor for k, value in enumerate(row)
+                    Rule("y", float(value), colour(k)) for row in limit[:, axes] * factor for k, value in enumerate(row)
                 ),
                 height=280,
-                half=not own.all(),
+                half=not axes.all(),
             )
             charts.append(chart)
     return tuple(charts)

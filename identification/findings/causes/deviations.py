@@ -155,7 +155,7 @@ def _of_size(hypothesis: Hypothesis, size: Size, stds: Sequence[float] | None = 
 
 def _stated(trial: Trial, places: Sequence[_Place], covariance: Array) -> Trial:
     """A trial whose words state the deviations of its sizes."""
-    stated = list(trial)
+    hypotheses = list(trial)
     for i, hypothesis in enumerate(trial):
         if (size := hypothesis.size) is None:
             continue
@@ -167,8 +167,8 @@ def _stated(trial: Trial, places: Sequence[_Place], covariance: Array) -> Trial:
             slopes.append((size.stated(size.values + step) - size.stated(size.values - step)) / (2.0 * step.max()))
         slope = np.stack(slopes, axis=1)
         stds = np.sqrt(np.einsum("ji,ik,jk->j", slope, covariance[np.ix_(columns, columns)], slope))
-        stated[i] = _of_size(hypothesis, size, [float(std) for std in stds])
-    return tuple(stated)
+        hypotheses[i] = _of_size(hypothesis, size, [float(std) for std in stds])
+    return tuple(hypotheses)
 
 
 def _left(fitted: Fitted, by: Fitted) -> float:

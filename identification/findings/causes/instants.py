@@ -146,8 +146,8 @@ def _standing(recording: Recording, case: Case, model: Model) -> Instants | None
     if forces.size - len(model.names) < FEWEST:
         return None
     spread = _spread(forces, case)
-    stated = _stated(case)
-    noise = SHARE * spread if stated is None else np.minimum(stated, SHARE * spread)
+    noise_of_case = _stated(case)
+    noise = SHARE * spread if noise_of_case is None else np.minimum(noise_of_case, SHARE * spread)
     drives = turning = None
     if recording.drives is not None:
         places = recording.drives[valid]
@@ -189,7 +189,8 @@ def _moving(recording: Recording, case: Case, model: Model) -> Instants | None:
     shifted = decimated(low_pass, forces, rows, [(0, -delay) for delay in DELAYS])
     gain = low_pass.noise_gain
     white, shaken = _pooled(white_noise(forces), case), white_noise(struts)
-    noise = np.maximum(white, np.zeros(6) if (stated := _stated(case)) is None else stated) * np.sqrt(gain)
+    noise_of_case = _stated(case)
+    noise = np.sqrt(gain) * (white if noise_of_case is None else np.maximum(white, noise_of_case))
     if case.sensors.pose_field is not None:
         noise = np.hypot(noise, case.sensors.pose_field.size)
     draw = np.random.default_rng(0).normal(size=struts.shape) * shaken
@@ -248,8 +249,8 @@ def _wrist(recording: Recording, case: Case, model: Model) -> Instants | None:
     turning = run.turning(t)
     assert recording.t is not None
     white = _pooled(white_noise(bridged(recording.forces, recording.bad)), case) * np.sqrt(run.filter.noise_gain)
-    stated = _stated(case)
-    noise = white if stated is None else np.maximum(white, stated * np.sqrt(run.filter.noise_gain))
+    noise_of_case = _stated(case)
+    noise = white if noise_of_case is None else np.maximum(white, noise_of_case * np.sqrt(run.filter.noise_gain))
     forces = np.array([smooth(t + delay) for delay in DELAYS])
     return Instants(
         case=case, model=model, machine=None, step=run.filter.step, rows=rows, t=t, delays=DELAYS, forces=forces,

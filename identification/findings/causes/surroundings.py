@@ -116,6 +116,6 @@ def of_pace(step: float, pace: float, std: float | None = None) -> Hypothesis:
         return case.model_copy(update={"recording": case.recording.model_copy(update={"clock": clock})})
 
     apart = f"{period:.4g}" if std is None else with_deviation(1e3 * step * pace, std)
-    stated = f"{step * 1e3:.4g}"
-    words = phrase("samples_apart", "samples are {apart} ms apart, not {stated} ms", apart=apart, stated=stated)
+    step_of_file = f"{step * 1e3:.4g}"
+    words = phrase("samples_apart", "samples are {apart} ms apart, not {stated} ms", apart=apart, stated=step_of_file)
     return Hypothesis(family=Family.CLOCK, words=words, pace=pace, edit=edit, mistakes=1.8)

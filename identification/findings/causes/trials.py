@@ -72,8 +72,8 @@ def tried(instants: Instants, changes: Sequence[Trial], channels: Sequence[Trial
     """
     matrices, size = _of_sensors(instants, channels), max(1, AT_ONCE // len(instants.rows))
     residuals, delays = np.empty((2, len(changes), len(matrices)))
-    own = np.array([channels_of(trial) for trial in changes])
-    as_recorded = [np.array_equal(matrix, np.eye(6)) for matrix in own]
+    of_channels = np.array([channels_of(trial) for trial in changes])
+    as_recorded = [np.array_equal(matrix, np.eye(6)) for matrix in of_channels]
     turned = [any(hypothesis.in_base for hypothesis in trial) for trial in changes]
     plain = [k for k, recorded in enumerate(as_recorded) if recorded and not turned[k]]
     others = sorted({*range(len(changes))} - {*plain})
@@ -97,9 +97,9 @@ def _of_sensors(instants: Instants, trials: Sequence[Trial]) -> Array:
         if places:
             steps[places] = [trials[j][k].channels for j in places]
         matrices = steps @ matrices
-    own, remembered = instants.case.sensor_frame, instants.memory.of_run
+    frame_of_case, remembered = instants.case.sensor_frame, instants.memory.of_run
     for j, trial in enumerate(trials):
-        if (frame := _case_of(instants, trial).sensor_frame) is not own:
+        if (frame := _case_of(instants, trial).sensor_frame) is not frame_of_case:
             key = "sensors", id(frame)
             if key not in remembered:  # with the frame, so that no other one gets its number
                 remembered[key] = np.linalg.solve(instants.model.structure, frame.structure), frame
@@ -123,7 +123,6 @@ class Fits:
     whole: Array  # rows over the noise: of the orthonormal basis, or where `whiten` leads to it, shape (H, u, 6, n)
     whiten: Array | None  # shape (H, u, u); None where rows are those of the basis
     of_mass: Array | None  # the mass by what lies along the basis, shape (H, u); None where the model has none
-    own: Array  # what the changes multiply recorded forces by, shape (H, 6, 6)
     noise: Array  # of the forces that the changes make, shape (H, 6)
     closed: Flags  # whether the machine can have such drives, shape (H,)
     forces: Array  # that the changes make, times the weights, shape (H, n, 6, D), or (1, n, 6, D) where they keep them
@@ -193,8 +192,8 @@ def fits_of(instants: Instants, changes: Sequence[Trial]) -> Fits:
     columns are near enough, and cost a quarter.
     """
     regressors, motion = regressors_of(instants, changes)
-    own = np.array([channels_of(trial) for trial in changes])
-    noise = np.sqrt(np.einsum("hij,j->hi", own**2, instants.noise**2))  # of the forces that the changes make
+    of_channels = np.array([channels_of(trial) for trial in changes])
+    noise = np.sqrt(np.einsum("hij,j->hi", of_channels**2, instants.noise**2))  # of the forces that the changes make
     count, n, _, unknowns = regressors.shape
     rows = np.empty((count, unknowns, 6, n))
     regressors[~motion.closed] = 0.0
@@ -210,9 +209,9 @@ def fits_of(instants: Instants, changes: Sequence[Trial]) -> Fits:
         flat, inverse = _by_triangles(flat, mass)
     whole = flat.reshape(rows.shape) / noise[:, None, :, None]
     of_mass = None if mass is None or inverse is None else inverse * scale[:, [mass]]
-    forces = _forces(instants, changes, own, motion.rotations) * instants.weights[:, None]
+    forces = _forces(instants, changes, of_channels, motion.rotations) * instants.weights[:, None]
     right = np.ascontiguousarray(forces.transpose(0, 2, 3, 1))
-    return Fits(whole, whiten, of_mass, own, noise, motion.closed, right, instants.delays)
+    return Fits(whole, whiten, of_mass, noise, motion.closed, right, instants.delays)
 
 
 def _by_normal_equations(flat: Array, mass: int | None) -> tuple[Array | None, Array | None]:
@@ -441,12 +440,12 @@ def _turns_of_accelerometer(instants: Instants, motion: _Motion) -> Array:
     return np.asarray(np.broadcast_to(columns, (len(motion.positions), *columns.shape)))
 
 
-def _forces(instants: Instants, changes: Sequence[Trial], own: Array, rotations: Array) -> Array:
+def _forces(instants: Instants, changes: Sequence[Trial], of_channels: Array, rotations: Array) -> Array:
     """Forces of each change, shape (H, D, n, 6), or (1, D, n, 6) where none changes them."""
     in_base = [k for k, trial in enumerate(changes) if any(hypothesis.in_base for hypothesis in trial)]
-    if not in_base and np.array_equal(own, np.broadcast_to(np.eye(6), own.shape)):
+    if not in_base and np.array_equal(of_channels, np.broadcast_to(np.eye(6), of_channels.shape)):
         return instants.forces[None]
-    forces = np.einsum("hij,dnj->hdni", own, instants.forces, optimize=True)
+    forces = np.einsum("hij,dnj->hdni", of_channels, instants.forces, optimize=True)
     for k in in_base:
         vectors = (instants.forces @ channels_of(changes[k], RECORDED).T).reshape(len(instants.delays), -1, 2, 3)
         sensed = np.einsum("nji,dnbj->dnbi", rotations[k], vectors).reshape(forces[k].shape)

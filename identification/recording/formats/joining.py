@@ -122,11 +122,11 @@ def _fit(reference: _Edges, other: _Edges, shift: int) -> _ClockMap | None:
     first, last = max(0, -shift), min(len(reference.t), len(other.t) - shift)
     if last <= first:
         return None
-    own, theirs = slice(first, last), slice(first + shift, last + shift)
-    if np.any(reference.rising[own] != other.rising[theirs]):
+    ours, theirs = slice(first, last), slice(first + shift, last + shift)
+    if np.any(reference.rising[ours] != other.rising[theirs]):
         return None
-    delays, half = reference.t[own] - other.t[theirs], reference.half[own] + other.half[theirs]
-    weights = 3.0 / (reference.half[own] ** 2 + other.half[theirs] ** 2)  # an edge is anywhere between its samples
+    delays, half = reference.t[ours] - other.t[theirs], reference.half[ours] + other.half[theirs]
+    weights = 3.0 / (reference.half[ours] ** 2 + other.half[theirs] ** 2)  # an edge is anywhere between its samples
     middle, mean = (float(weights @ v / weights.sum()) for v in (other.t[theirs], delays))
     away = other.t[theirs] - middle
     spread = float(weights @ away**2)
@@ -135,7 +135,7 @@ def _fit(reference: _Edges, other: _Edges, shift: int) -> _ClockMap | None:
     if np.any(np.abs(delays - mean) > half + _MOST_RATE * np.abs(away)):
         return None
     own_samples, other_samples = reference.inside(other, mean), other.inside(reference, -mean)
-    own_samples[own], other_samples[theirs] = False, False
+    own_samples[ours], other_samples[theirs] = False, False
     return None if own_samples.any() or other_samples.any() else fit
 
 

@@ -89,13 +89,13 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
         numbers |= {numeric_fields[ours]: column for ours, column in table.values.items() if np.isfinite(column).any()}
         if table.stamps is None or clock is not None:
             continue
-        own = layout.fields[numeric_fields[next(iter(table.values))]].clock
-        if own is None:  # rows at equal steps
-            names, units, own = [*names, "time between rows"], [*units, "s"], len(names)
-            clock, numbers[own] = (own, "s"), np.asarray(table.stamps * table.tick, dtype=float)
+        clock_field = layout.fields[numeric_fields[next(iter(table.values))]].clock
+        if clock_field is None:  # rows at equal steps
+            names, units, clock_field = [*names, "time between rows"], [*units, "s"], len(names)
+            clock, numbers[clock_field] = (clock_field, "s"), np.asarray(table.stamps * table.tick, dtype=float)
         elif text_format.name != "halsampler":  # which does not say how long a step takes
-            clock = own, next(unit for unit, tick in TICKS.items() if tick == table.tick)
-            numbers[own] = np.asarray(table.stamps, dtype=float)
+            clock = clock_field, next(unit for unit, tick in TICKS.items() if tick == table.tick)
+            numbers[clock_field] = np.asarray(table.stamps, dtype=float)
     settings |= _stated(text_format, layout, clock) if stated is None else {}
     dated = {} if clock is not None else _dates(text_format, content, layout, rows, numeric_fields)
     lines = tuple(line.decode(layout.form.encoding, "replace") for line in content.head()[: layout.form.header_rows])
@@ -133,13 +133,13 @@ def _stated(known: TextFormat, layout: Layout, clock: tuple[int, str] | None) ->
             return {}
 
 
-def _names(layout: Layout, stated: FileFormat | None) -> list[str]:
+def _names(layout: Layout, form: FileFormat | None) -> list[str]:
     """A name for each field: of those that a file has for it the ones that are stated, or by which most are known."""
     usual = [field.name for field in layout.fields]
     most = max((len(field.also) for field in layout.fields), default=0)
     other = [[field.also[k] if k < len(field.also) else field.name for field in layout.fields] for k in range(most)]
     best = max([usual, *other], key=known_among)
-    mapped = set() if stated is None else {*stated.columns.values()}
+    mapped = set() if form is None else {*form.columns.values()}
     return [
         next((each for each in (field.name, *field.also) if each in mapped), name)
         for field, name in zip(layout.fields, best, strict=True)

@@ -97,8 +97,8 @@ def _about(stream: Stream, even: Even, taken: bool) -> list[Finding]:
         most=f"{even.most * ms:.3g}",
         done=treatment,
     )
-    stated = {"step_ms": even.step * ms, "rms_ms": even.stray * ms, "most_ms": even.most * ms}
-    findings = [note(Kind.CLOCK, sentence, time_stamps=stated | {"step_deviation": even.deviation})]
+    figures = {"step_ms": even.step * ms, "rms_ms": even.stray * ms, "most_ms": even.most * ms}
+    findings = [note(Kind.CLOCK, sentence, time_stamps=figures | {"step_deviation": even.deviation})]
     if even.deviation > _UNSURE:
         hidden = (
             NOTHING
@@ -139,7 +139,7 @@ def _with_lost_rows(stream: Stream, t: Array, numbers: Indices) -> Stream:
     return replace(stream, t=np.interp(rows, positions, t), lines=lines, missing=missing, **more)
 
 
-def spread(values: Array, own: Indices | Array, rows: Indices | Array, last: bool) -> Array:
+def spread(values: Array, rows_of_values: Indices | Array, rows: Indices | Array, last: bool) -> Array:
     """Values at all rows: cubics through two that are there on either side, or the last of them.
 
     A straight line cuts the bends of a motion: at 5 m/s^2 a strut is 10 um off it midway between samples 4 ms apart,
@@ -147,16 +147,17 @@ def spread(values: Array, own: Indices | Array, rows: Indices | Array, last: boo
     for there a cubic would follow the noise of what it goes through.
     """
     if last:
-        return np.asarray(values[np.maximum(np.searchsorted(own, rows, side="right") - 1, 0)])
+        return np.asarray(values[np.maximum(np.searchsorted(rows_of_values, rows, side="right") - 1, 0)])
     columns = values.reshape(len(values), -1)
-    result = np.stack([np.interp(rows, own, column) for column in columns.T], axis=1)
-    if len(own) >= _CUBIC:
-        before = np.clip(np.searchsorted(own, rows, side="right") - 1, 0, len(own) - 2)
-        near = own[before + 1] - own[before] <= (MOST_PUT_BACK + 1.5) * np.median(np.diff(own))
-        near &= (rows > own[0]) & (rows < own[-1]) & (rows != own[before])
-        at, first = rows[near], np.clip(before[near] - 1, 0, len(own) - _CUBIC)
+    result = np.stack([np.interp(rows, rows_of_values, column) for column in columns.T], axis=1)
+    if len(rows_of_values) >= _CUBIC:
+        before = np.clip(np.searchsorted(rows_of_values, rows, side="right") - 1, 0, len(rows_of_values) - 2)
+        usual = np.median(np.diff(rows_of_values))
+        near = rows_of_values[before + 1] - rows_of_values[before] <= (MOST_PUT_BACK + 1.5) * usual
+        near &= (rows > rows_of_values[0]) & (rows < rows_of_values[-1]) & (rows != rows_of_values[before])
+        at, first = rows[near], np.clip(before[near] - 1, 0, len(rows_of_values) - _CUBIC)
         nodes = first[:, None] + np.arange(_CUBIC)
-        result[near] = np.einsum("nk,nkj->nj", _weights(own[nodes], at), columns[nodes])
+        result[near] = np.einsum("nk,nkj->nj", _weights(rows_of_values[nodes], at), columns[nodes])
     return result.reshape(len(rows), *values.shape[1:])
 
 

@@ -123,11 +123,11 @@ def require_same_machine(file: Path, case: Case, timed: bool) -> None:
         _unit(entries, key, default, units, file)
         for key, default, units in (("LINEAR_UNITS", "mm", LENGTHS), ("ANGULAR_UNITS", "degree", ANGLES))
     )
-    stated, planner = path_jerk(case), planner_of(entries, file)
+    jerk, planner = path_jerk(case), planner_of(entries, file)
     if planner.jerk is not None:
         planner = planner._replace(jerk=planner.jerk * length)
-    if (stated is None) != (planner.jerk is None) or not np.isclose(stated or 1.0, planner.jerk or 1.0, rtol=SAME):
-        kinds = [_words(stated), _words(planner.jerk)]
+    if (jerk is None) != (planner.jerk is None) or not np.isclose(jerk or 1.0, planner.jerk or 1.0, rtol=SAME):
+        kinds = [_words(jerk), _words(planner.jerk)]
         raise _contradiction(
             planner.place,
             f"LinuxCNC runs {kinds[1]}; case {case.name} says {kinds[0]}",
@@ -136,7 +136,7 @@ def require_same_machine(file: Path, case: Case, timed: bool) -> None:
     limits, layout = case.need_motion(PURPOSE)[1], AxisLayout.of(case)
     headroom = acceleration_headroom(case, timed)
     most = {"MAX_VELOCITY": limits.rate, "MAX_ACCELERATION": headroom * limits.acceleration}
-    if stated is not None:
+    if jerk is not None:
         most["MAX_JERK"] = limits.jerk
     for key, values in most.items():
         expected = values / layout.units / np.where(layout.turns, angle, length)
@@ -159,11 +159,11 @@ def _words(jerk: float | None) -> str:
 
 
 def _require_below(entries: Entries, file: Path, section: str, key: str, limit: float) -> None:
-    stated = _number(entries, section, key)
-    if stated is None:
+    entry = _number(entries, section, key)
+    if entry is None:
         problem, place = f"[{section}]{key} is missing, so that nothing keeps {limit:.6g}", str(file)
-    elif stated[0] > limit * (1.0 + SAME):
-        problem, place = f"[{section}]{key} = {stated[0]:g} is above limits.motion of the case ({limit:.6g})", stated[1]
+    elif entry[0] > limit * (1.0 + SAME):
+        problem, place = f"[{section}]{key} = {entry[0]:g} is above limits.motion of the case ({limit:.6g})", entry[1]
     else:
         return
     raise _contradiction(place, problem, f"set it to {limit:.6g}, or state the machine's own limit in the case")

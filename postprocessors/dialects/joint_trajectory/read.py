@@ -41,17 +41,17 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     The recording has no trigger: the whole motion counts as the excitation.
     """
     message = embedded(content, file, case)
-    stated = _of_yaml(content, file, case) if message is None else _of_json(message, file, case)
-    points = list(_in_order(stated, file))
+    points_of_text = _of_yaml(content, file, case) if message is None else _of_json(message, file, case)
+    points = list(_in_order(points_of_text, file))
     home, _ = case.need_motion("a joint trajectory")
     return replace(_grouped(file, points, home).reading(len(points)), start_time=points[0][2])
 
 
-def _in_order(stated: Sequence[_Point], file: str) -> Iterator[_Point]:
+def _in_order(points_of_text: Sequence[_Point], file: str) -> Iterator[_Point]:
     """The points; raises ProgramError where times do not increase, numbers are too large, or an end moves."""
     before = 0.0
-    for k, (line, state, time) in enumerate(stated, 1):
-        ends = k in (1, len(stated))
+    for k, (line, state, time) in enumerate(points_of_text, 1):
+        ends = k in (1, len(points_of_text))
         if np.abs(state).max() > LARGEST or not time > before or (ends and state[1:].any()):
             problem = f"the point at {time:g} s must come after {before:g} s, have numbers below {LARGEST:g}"
             raise ProgramError(

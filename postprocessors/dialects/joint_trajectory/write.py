@@ -34,9 +34,9 @@ def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
     lines += [f"joint_names: [{names}]", "points:"]
     motion = _motion(program, case)
     instants, at_rest = _instants(motion, controller.block)
-    stated = np.round(instants / NANOSECOND) * NANOSECOND
-    points = motion.at(np.where(at_rest, instants, stated))
-    for t, *values in zip(stated + FIRST, points.coordinates, points.rates, points.accelerations, strict=True):
+    as_written = np.round(instants / NANOSECOND) * NANOSECOND
+    points = motion.at(np.where(at_rest, instants, as_written))
+    for t, *values in zip(as_written + FIRST, points.coordinates, points.rates, points.accelerations, strict=True):
         for mark, name, row in zip("-  ", ("positions", "velocities", "accelerations"), values, strict=True):
             lines.append(f"{mark} {name}: [{', '.join(_number(v) for v in row)}]")
         seconds, nanoseconds = divmod(round(float(t) * 1e9), 10**9)

@@ -135,12 +135,12 @@ def _rows(reading: Reading, start: Array, cycle: float) -> tuple[Array, Array, A
     for stretch in reading.stretches:
         if isinstance(stretch, Timed):
             path = stretch.points.at(stretch.points.times).coordinates
-            own = np.asarray(stretch.lines, dtype=float)
+            lines_of_stretch = np.asarray(stretch.lines, dtype=float)
             coordinates.append(path[1:])
         else:
             assert isinstance(stretch, Still)
-            own = stretch.line + np.arange(round(stretch.duration / cycle), dtype=float)
-            coordinates.append(np.tile(coordinates[-1][-1], (len(own), 1)))
-        lines.append(own)
-        trigger.append(np.full(len(own), stretch.trigger))
+            lines_of_stretch = stretch.line + np.arange(round(stretch.duration / cycle), dtype=float)
+            coordinates.append(np.tile(coordinates[-1][-1], (len(lines_of_stretch), 1)))
+        lines.append(lines_of_stretch)
+        trigger.append(np.full(len(lines_of_stretch), stretch.trigger))
     return np.concatenate(lines), np.concatenate(coordinates), np.concatenate(trigger)

@@ -130,11 +130,11 @@ def _says_where(form: FileFormat) -> bool:
     return form.header_rows is not None or form.column_names is not None
 
 
-def _agrees(form: FileFormat, layout: Layout, own: TextFormat) -> bool:
+def _agrees(form: FileFormat, layout: Layout, known: TextFormat) -> bool:
     """Whether what a case states of a file is what its format says: files that were read as plain text still are."""
     if form.format != "csv":
         return True
-    if form.column_names is not None and own.name != "halsampler":
+    if form.column_names is not None and known.name != "halsampler":
         return False
     header_rows = layout.sections[0].first - 1 if layout.sections else 0
     stated = (
