@@ -34,11 +34,11 @@ class Uncovered(ValueError):
     """Why an element cannot be covered."""
 
 
-def covering(link: Element, place: Array, folder: Path, name: str) -> Iterator[Tool | str]:
+def covering(link: Element, body_from_link: Array, folder: Path, name: str) -> Iterator[Tool | str]:
     """Bodies that cover the `<collision>` elements of a link, or why one cannot be covered.
 
     Args:
-        place: the link in the frame that bodies are wanted in, shape (4, 4) [-, m].
+        body_from_link: the link in the frame that bodies are wanted in, shape (4, 4) [-, m].
         folder: folder of the URDF file, from which meshes are looked for.
         name: of the bodies; numbered where there are several.
     """
@@ -50,7 +50,9 @@ def covering(link: Element, place: Array, folder: Path, name: str) -> Iterator[T
         except Uncovered as reason:
             yield str(reason)
             continue
-        points = (place @ _place(element) @ np.column_stack([points, np.ones(len(points))]).T).T[:, :3] / MM
+        points = (body_from_link @ _link_from_element(element) @ np.column_stack([points, np.ones(len(points))]).T).T[
+            :, :3
+        ] / MM
         rounded = [tuple(round(float(v), 2) + 0.0 for v in point) for point in points]
         shape = {"from_mm": rounded[0], "to_mm": rounded[1]} if len(rounded) == 2 else {"corners_mm": rounded}
         # Rounding of points is in the radius.
@@ -134,7 +136,7 @@ def mesh_file(uri: str, folder: Path) -> Path | None:
         return None
 
 
-def _place(element: Element) -> Array:
+def _link_from_element(element: Element) -> Array:
     """Place of an element in its link, shape (4, 4) [-, m]; raises Uncovered."""
     place = np.eye(4)
     if (origin := element.find("origin")) is not None:

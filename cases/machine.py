@@ -53,11 +53,11 @@ class Frame(Part):
     rpy: ClassVar = si("rpy_deg")  # roll, pitch, yaw, shape (3,) [rad]
 
     @property
-    def place(self) -> Array:
+    def parent_from_frame(self) -> Array:
         """Its axes and origin in the frame before it, shape (4, 4) [-, m]."""
-        place = np.eye(4)
-        place[:3, :3], place[:3, 3] = turned(self.rpy), self.origin
-        return place
+        parent_from_frame = np.eye(4)
+        parent_from_frame[:3, :3], parent_from_frame[:3, 3] = turned(self.rpy), self.origin
+        return parent_from_frame
 
 
 def require_flange(flange: Frame | None, tcp: Frame | None) -> None:

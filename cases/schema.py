@@ -459,14 +459,14 @@ class Case(Heading):
         return "joints", "mrad" if self.chain.units.min() > MM else "mrad or mm"
 
     @property
-    def in_flange(self) -> Array | None:
+    def flange_from_sensor(self) -> Array | None:
         """Axes and origin of {P} in the robot's flange, shape (4, 4) [-, m]; None where the case states no flange."""
         if self.chain is not None:
-            flange, sensor = self.chain.flange, self.chain.sensor.place
+            flange, link_from_sensor = self.chain.flange, self.chain.sensor.parent_from_frame
         else:
             transducer = self.sensor_frame.transducer
-            flange, sensor = None if transducer is None else transducer.flange, np.eye(4)
-        return None if flange is None else frozen(np.linalg.solve(flange.place, sensor))
+            flange, link_from_sensor = None if transducer is None else transducer.flange, np.eye(4)
+        return None if flange is None else frozen(np.linalg.solve(flange.parent_from_frame, link_from_sensor))
 
     @property
     def tcp(self) -> Frame | None:
@@ -475,8 +475,8 @@ class Case(Heading):
         return None if mounted is None else mounted.tcp
 
     def need_flange(self, purpose: str) -> Array:
-        """As `in_flange`; raises CaseError where the case states no flange."""
-        if (place := self.in_flange) is not None:
+        """As `flange_from_sensor`; raises CaseError where the case states no flange."""
+        if (place := self.flange_from_sensor) is not None:
             return place
         if self.chain is None and self.sensor_frame.transducer is None:
             problem = f"is that of no robot: {purpose} is for setup R, a force/torque sensor at a flange"

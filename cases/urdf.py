@@ -29,10 +29,10 @@ from cases.urdf_tree import (
     carriers_of,
     cluster_of,
     fixed_to,
+    link_from_element,
     listed,
     named_elements,
     number_in,
-    place_of,
     positive_in,
     read_tree,
     shown,
@@ -97,7 +97,7 @@ def read_links(file: Path) -> tuple[LinkPlace, ...]:
         for name in links:
             way, place = way_to(name, carriers), np.eye(4)
             for joint in way:
-                place = place @ place_of(joint, Findings())
+                place = place @ link_from_element(joint, Findings())
             moved_by = sum(joint.get("type") in _MOVING and joint.find("mimic") is None for joint in way)
             chain_links.append(LinkPlace(name, way[-1].attrib[PARENT] if way else "", place[:3, 3], moved_by))
         return tuple(chain_links)
@@ -134,7 +134,7 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
     joints, place = list[tuple[Joint, JointLimit]](), np.eye(4)
     for element in way:
         _require_once(element, findings)
-        place = place @ place_of(element, findings)
+        place = place @ link_from_element(element, findings)
         if element in moving:
             body = _body(cluster_of(element.attrib[CHILD], fixed, flange), links, findings) if a_tree else None
             joints.append(_joint(element, place, body, findings))
@@ -317,7 +317,7 @@ def _inertia(inertial: Element) -> tuple[float, Array, Array] | None:
     keys, findings = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), Findings()
     mass = 0.0 if mass_element is None else number_in(mass_element.get("value", "0"))
     entries = [0.0] * 6 if tensor is None else [number_in(tensor.get(key, "0")) for key in keys]
-    place = place_of(inertial, findings)
+    place = link_from_element(inertial, findings)
     numbers = [value for value in (mass, *entries) if value is not None and math.isfinite(value)]
     if len(numbers) < 7 or findings.problems or numbers[0] < 0.0:
         return None

@@ -203,13 +203,14 @@ def cluster_of(link: str, fixed: Mapping[str, list[Element]], flange: str | None
     """
     waiting = [(link, np.eye(4))]
     while waiting:
-        name, place = waiting.pop()
-        yield name, place
+        name, link_from_fixed = waiting.pop()
+        yield name, link_from_fixed
         if name != flange:
-            waiting.extend((joint.attrib[CHILD], place @ place_of(joint, Findings())) for joint in fixed.get(name, ()))
+            children = ((joint.attrib[CHILD], link_from_element(joint, Findings())) for joint in fixed.get(name, ()))
+            waiting.extend((child, link_from_fixed @ place) for child, place in children)
 
 
-def place_of(element: Element, findings: Findings) -> Array:
+def link_from_element(element: Element, findings: Findings) -> Array:
     """Place of a joint or an inertia in its link, shape (4, 4) [-, m]."""
     frame, name = np.eye(4), element.get("name", "")
     of = f"origin of joint {name}" if name else "origin of the inertial"

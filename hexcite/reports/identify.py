@@ -185,7 +185,7 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
 def frame_blocks(result: Result) -> tuple[Block, ...]:
     """Tables of the load in the frames of the robot that the case states; none where it states none."""
     case = result.case
-    if case.in_flange is None or "m" not in result.parameters:
+    if case.flange_from_sensor is None or "m" not in result.parameters:
         return ()
     blocks: list[Block] = []
     frames: tuple[FrameName, ...] = ("flange",) if case.tcp is None else ("flange", "tool")

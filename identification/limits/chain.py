@@ -148,8 +148,8 @@ def chain_frames(motion: Motion, chain: Chain) -> Frames:
     for k, joint in enumerate(chain.joints):
         total = _times(total, _moved(joint, motion.coordinates[:, k], motion.rates[:, k], motion.accelerations[:, k]))
         frames.append(total)
-    to_sensor = _placed(chain.sensor)
-    first, second, third = (frame @ to_sensor for frame in total)
+    joint_from_sensor = _parent_from_frame(chain.sensor)
+    first, second, third = (frame @ joint_from_sensor for frame in total)
     return [*frames, (first, second, third)]
 
 
@@ -158,7 +158,7 @@ def _times(before: _Frames, then: _Frames) -> _Frames:
     return a @ b, a1 @ b + a @ b1, a2 @ b + 2.0 * (a1 @ b1) + a @ b2
 
 
-def _placed(place: Place) -> Array:
+def _parent_from_frame(place: Place) -> Array:
     """Matrix of a frame in the one before it, shape (4, 4)."""
     still = np.zeros(1)
     x, y, z = (axis_rotation(axis, np.array([angle]), still, still)[0][0] for axis, angle in enumerate(place.rpy))
@@ -183,7 +183,7 @@ def _moved(joint: Joint, position: Array, rate: Array, acceleration: Array) -> _
         frames[0][:, :3, :3] = np.eye(3)
         for frame, value in zip(frames, (position, rate, acceleration), strict=True):
             frame[:, 2, 3] = value
-    before, inverse = _placed(joint) @ aligned, aligned.T
+    before, inverse = _parent_from_frame(joint) @ aligned, aligned.T
     return before @ frames[0] @ inverse, before @ frames[1] @ inverse, before @ frames[2] @ inverse
 
 

@@ -35,7 +35,7 @@ class Place(NamedTuple):
 
     name: FrameName
     words: str  # what it is, for people
-    of_sensor: Array  # axes and origin of {P} in it, shape (4, 4) [-, m]
+    frame_from_sensor: Array  # axes and origin of {P} in it, shape (4, 4) [-, m]
 
     @property
     def fixed(self) -> bool:
@@ -45,13 +45,13 @@ class Place(NamedTuple):
     @property
     def map(self) -> Array:
         """Force and moment about its origin of those about that of {P}, each along the axes, shape (6, 6)."""
-        turn, (x, y, z) = self.of_sensor[:3, :3], self.of_sensor[:3, 3]
+        turn, (x, y, z) = self.frame_from_sensor[:3, :3], self.frame_from_sensor[:3, 3]
         across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         return np.block([[turn, np.zeros((3, 3))], [across @ turn, turn]])
 
     def to_json(self) -> dict[str, Any]:
         """Name, words, and where the sensor's frame is in it."""
-        sensor = {"origin_m": self.of_sensor[:3, 3].tolist(), "axes": self.of_sensor[:3, :3].tolist()}
+        sensor = {"origin_m": self.frame_from_sensor[:3, 3].tolist(), "axes": self.frame_from_sensor[:3, :3].tolist()}
         return {"frame": self.name, "words": self.words, "sensor": sensor}
 
 
@@ -81,7 +81,7 @@ def place_of(case: Case, frame: str, at_home: bool = True) -> Place:
     if name == "flange":
         return Place(name, "the robot's flange", _of_robot(case, name))
     if name == "tool":
-        flange = _of_robot(case, name)
+        flange_from_sensor = _of_robot(case, name)
         if case.tcp is None:
             key = "machine.chain.tcp" if case.chain is not None else "sensor_frame.transducer.tcp"
             where = "frame tool is the robot's TCP: state where it lies in the flange"
@@ -92,7 +92,8 @@ def place_of(case: Case, frame: str, at_home: bool = True) -> Place:
                 remedy=f"{where}, such as tcp = {{ origin_mm = [0.0, 0.0, 150.0] }}",
                 code=Code.MISSING,
             )
-        return Place(name, "the robot's tool (TCP)", np.asarray(np.linalg.solve(case.tcp.place, flange)))
+        tool_from_sensor = np.asarray(np.linalg.solve(case.tcp.parent_from_frame, flange_from_sensor))
+        return Place(name, "the robot's tool (TCP)", tool_from_sensor)
     if at_home:
         return Place(name, "the axes of {B} at home, the origin of {P}", _at_home(case))
     return Place(name, "the axes of {B}, the origin of {P}", np.eye(4))
@@ -204,7 +205,7 @@ class Body:
             place: the frame.
             mounting: what is not known of the place of the sensor, which counts in all frames but its own.
         """
-        moved = moved_body(place.of_sensor, len(self.values))
+        moved = moved_body(place.frame_from_sensor, len(self.values))
         white, robust, biases = self.covariance, self.covariance_robust, dict(self.biases)
         if mounting is not None and place.name != "sensor":
             by_place = _by_mounting(self.values, place.fixed)
@@ -287,7 +288,7 @@ def mounting_by(place: Place, wrenches: Array) -> dict[str, Array]:
     Returns:
         By 1 m of its origin along its axes, and 1 rad about each, shapes (n, 6, 3), by keys of tolerances.
     """
-    turn, none = place.of_sensor[:3, :3], np.zeros((len(wrenches), 3, 3))
+    turn, none = place.frame_from_sensor[:3, :3], np.zeros((len(wrenches), 3, 3))
     along: Array = np.asarray(np.linalg.solve(place.map, wrenches.T).T, dtype=float)
 
     def crossed(vectors: Array) -> Array:  # each axis of the sensor times a vector along them, shape (n, 3, 3)

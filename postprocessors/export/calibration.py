@@ -127,7 +127,7 @@ def json_document(result: Result) -> str:
 
 def _flange(result: Result) -> dict[str, Any] | None:
     """The flange's entry of the document; None where the case states none."""
-    place = result.case_as_told.in_flange
+    place = result.case_as_told.flange_from_sensor
     if place is None:
         return None
     load = load_of(result, place) if has_inertia(result.model) else None

@@ -102,7 +102,7 @@ def load_at_flange(result: Carried) -> Load:
 
 def load_in(result: Carried, frame: FrameName) -> Load:
     """The load in a frame; raises CaseError where the case does not state where that is."""
-    return load_of(result, place_of(result.case_as_told, frame).of_sensor)
+    return load_of(result, place_of(result.case_as_told, frame).frame_from_sensor)
 
 
 def require_inertia(load: Load, result: Carried, receiver: str) -> Array:

@@ -93,7 +93,7 @@ def force_errors(of: Machined, result: Result, seed: int, frame: str) -> np.ndar
         turn = of.of.plant.motion(way, t[rows]).turn
         true = np.hstack([np.einsum("nij,nj->ni", turn, true[:, half]) for half in (slice(0, 3), slice(3, 6))])
     elif frame == "flange":
-        place = of.of.case.in_flange
+        place = of.of.case.flange_from_sensor
         turned = np.hstack([true[:, :3] @ place[:3, :3].T, true[:, 3:] @ place[:3, :3].T])
         true = turned + np.hstack([0.0 * turned[:, :3], np.cross(place[:3, 3], turned[:, :3])])
     return (found.wrench[rows] - true) / found.std[rows]
@@ -121,7 +121,7 @@ def main() -> None:
             offsets.append(off)
             line = f"{name} | {kind} | tare {np.sqrt(np.mean(off**2)):.2f} ({narrower.mean():.2f} times narrower)"
             for frame in FRAMES:
-                if frame == "flange" and (of.case.chain is None or of.case.in_flange is None):
+                if frame == "flange" and (of.case.chain is None or of.case.flange_from_sensor is None):
                     continue
                 err = force_errors(of, result, seed, frame)
                 forces[frame].append(err)

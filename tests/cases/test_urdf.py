@@ -303,7 +303,7 @@ def test_a_flange_and_a_sensor_behind_it_are_both_written(tmp_path: Path) -> Non
     sensor = '<link name="ft"/><joint name="m" type="fixed"><origin xyz="0 0 0.04" rpy="0 0 1.5"/>'
     mount = ("</robot>", f'{sensor}<parent link="tool0"/><child link="ft"/></joint></robot>')
     found = arm(tmp_path, mount, sensor="ft")
-    relative = np.linalg.solve(found.flange.place, found.sensor.place)
+    relative = np.linalg.solve(found.flange.parent_from_frame, found.sensor.parent_from_frame)
     np.testing.assert_allclose(relative[:3, 3], [0.0, 0.0, 0.04], atol=1e-12)
     assert np.arctan2(relative[1, 0], relative[0, 0]) == pytest.approx(1.5)
     open_ended = arm(tmp_path, mount, flange="ft")

@@ -270,10 +270,11 @@ def frames_at_sensor(chain: Chain) -> tuple[tuple[str, Array], ...]:
     """Frames behind the last joint of a chain by their names, in {P}: axes and origin, shapes (4, 4) [-, m]."""
     frames: list[tuple[str, Array]] = [("sensor", np.eye(4))]
     if chain.flange is not None:
-        flange: Array = np.asarray(np.linalg.solve(chain.sensor.place, chain.flange.place))
-        frames.append(("flange", flange))
+        link_from_sensor, link_from_flange = chain.sensor.parent_from_frame, chain.flange.parent_from_frame
+        sensor_from_flange: Array = np.asarray(np.linalg.solve(link_from_sensor, link_from_flange))
+        frames.append(("flange", sensor_from_flange))
         if chain.tcp is not None:
-            frames.append(("tool (TCP)", flange @ chain.tcp.place))
+            frames.append(("tool (TCP)", sensor_from_flange @ chain.tcp.parent_from_frame))
     return tuple(frames)
 
 

@@ -120,7 +120,9 @@ def test_deviations_count_where_the_sensor_may_sit(size: int) -> None:
         off = _place(Rotation.from_rotvec(2e-3 * y[3:]).as_matrix(), tuple(2e-4 * y[:3]))
         true = body.values  # in the frame of the sensor as it sits
         read = true + biases["sensor_deg"] @ y[3:]
-        errors.append(moved_body(flange.of_sensor, size) @ read - moved_body(flange.of_sensor @ off, size) @ true)
+        places = (flange.frame_from_sensor, flange.frame_from_sensor @ off)
+        taken, actual = (moved_body(frame_from_sensor, size) for frame_from_sensor in places)
+        errors.append(taken @ read - actual @ true)
     of_form = physical_form(seen.model).map(seen.values)[1].full()
     spread = np.std(np.array(errors) @ of_form.T, axis=0)
     promised = np.array([v.std_robust for v in seen.parameters.values()])
@@ -134,7 +136,7 @@ def test_a_wrench_has_the_same_power_in_every_frame() -> None:
     wrench, motion = rng.normal(size=(5, 6)), rng.normal(size=(5, 6))  # velocity of the origin of {P}, turning
     for frame in ("flange", "tool"):
         place = place_of(case, frame)
-        turn, origin = place.of_sensor[:3, :3], place.of_sensor[:3, 3]
+        turn, origin = place.frame_from_sensor[:3, :3], place.frame_from_sensor[:3, 3]
         omega = motion[:, 3:] @ turn.T
         velocity = motion[:, :3] @ turn.T + np.cross(omega, -origin)
         power = np.sum((wrench @ place.map.T) * np.hstack([velocity, omega]), axis=1)
@@ -146,15 +148,15 @@ def test_base_axes_at_home_are_those_of_the_chain() -> None:
     assert case.chain is not None
     still = np.zeros((1, 6))
     angles = SerialChain.of(case).kinematics(case.chain.home[None], still, still).pose[0, 3:]
-    turn = place_of(case, "base").of_sensor[:3, :3]
+    turn = place_of(case, "base").frame_from_sensor[:3, :3]
     np.testing.assert_allclose(turn, Rotation.from_euler("xyz", angles).as_matrix(), atol=1e-12)
 
 
 def test_the_tool_lies_behind_the_flange() -> None:
     case = arm()
     assert case.tcp is not None
-    there = case.tcp.place @ place_of(case, "tool").of_sensor
-    np.testing.assert_allclose(there, place_of(case, "flange").of_sensor, atol=1e-12)
+    there = case.tcp.parent_from_frame @ place_of(case, "tool").frame_from_sensor
+    np.testing.assert_allclose(there, place_of(case, "flange").frame_from_sensor, atol=1e-12)
 
 
 @pytest.mark.parametrize(
