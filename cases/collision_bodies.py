@@ -50,9 +50,8 @@ def covering(link: Element, body_from_link: Array, folder: Path, name: str) -> I
         except Uncovered as reason:
             yield str(reason)
             continue
-        points = (body_from_link @ _link_from_element(element) @ np.column_stack([points, np.ones(len(points))]).T).T[
-            :, :3
-        ] / MM
+        body_from_element = body_from_link @ _link_from_element(element)
+        points = (body_from_element @ np.column_stack([points, np.ones(len(points))]).T).T[:, :3] / MM
         rounded = [tuple(round(float(v), 2) + 0.0 for v in point) for point in points]
         shape = {"from_mm": rounded[0], "to_mm": rounded[1]} if len(rounded) == 2 else {"corners_mm": rounded}
         # Rounding of points is in the radius.

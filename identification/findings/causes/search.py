@@ -133,7 +133,7 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         entries += _leaps(base, recorded, recording, case, model)
         families |= {hypothesis.family for entry in entries for hypothesis in entry.trial} | _tried_alone(base)
     explained = explanations(entries, recorded)
-    pairs = _unclean(explained[0]) if explained else _worth_pairs(entries, recorded)
+    pairs = _above_noise(explained[0]) if explained else _worth_pairs(entries, recorded)
     if pairs:
         for trial, instants in sorted(readings, key=lambda reading: _promise(reading[1], reading[0]))[:READINGS]:
             entries += _singles(instants, trial, worth)
@@ -168,7 +168,7 @@ def _settled(entry: Tried) -> Tried:
     return entry
 
 
-def _unclean(explanation: Tried) -> bool:
+def _above_noise(explanation: Tried) -> bool:
     """Whether a single hypothesis leaves more than what noise makes, so that there may be a second mistake."""
     return bool(explanation.residuals > CLEAN * _noise_of(explanation))
 
