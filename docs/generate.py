@@ -71,7 +71,8 @@ def formulas_page() -> str:
     for title, directives in FORMULAS.items():
         lines += [f"## {title}", ""]
         for directive in directives:
-            lines += ["```{eval-rst}", f".. {directive}", "```", ""]
+            # no index: what is public stands in the reference of Python too
+            lines += ["```{eval-rst}", f".. {directive}", "   :no-index:", "```", ""]
     return "\n".join(lines)
 
 

@@ -212,8 +212,8 @@ def expected_at_flange() -> tuple[np.ndarray, np.ndarray]:
     roll, pitch, yaw = ANYHOW["rpy_deg"]
     rotation = turned("z", yaw) @ turned("y", pitch) @ turned("x", roll)
     in_link = rotation @ CENTRE + np.array(ANYHOW["origin_mm"]) / 1000
-    back = flange.place[:3, :3].T
-    return back @ (in_link - flange.place[:3, 3]), back @ rotation @ INERTIA @ rotation.T @ back.T
+    back = flange.parent_from_frame[:3, :3].T
+    return back @ (in_link - flange.parent_from_frame[:3, 3]), back @ rotation @ INERTIA @ rotation.T @ back.T
 
 
 @pytest.mark.parametrize("target", READERS)
