@@ -40,7 +40,7 @@ from planner.search.parallel import (
     workers,
 )
 from planner.search.record import Failed
-from planner.search.solving import Start, Task
+from planner.search.solving import QUICK_RATE, Start, Task
 
 KEPT = 3  # number of the best orders, periods, numbers of moves and families, at most, that get more starts
 CLOSE = 0.03  # share of an efficiency by which others than the best are worse, at most, that get more starts too
@@ -128,10 +128,13 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
             raise Interrupted
         raise InfeasiblePlan(problem=failed[0].reason, code=Code.INFEASIBLE)
     best = starts[0]
-    motion = best.family.motion(best.unknowns)
+    unknowns = best.unknowns
+    if not best.record.refined:  # it was checked at few instants: at more of them first, at those of the proof then
+        unknowns = keep_limits(rounds.case, best.family, unknowns, QUICK_RATE)[0]
+    motion = best.family.motion(unknowns)
     report = with_steps(prove(motion, case), step_time)
-    if not best.record.refined or report.worst_ratio > 1.0 - UNUSED_SHARE + BETWEEN:
-        motion = best.family.motion(keep_limits(rounds.case, best.family, best.unknowns, PROOF_RATE)[0])
+    if report.worst_ratio > 1.0 - UNUSED_SHARE + BETWEEN:
+        motion = best.family.motion(keep_limits(rounds.case, best.family, unknowns, PROOF_RATE)[0])
         report = with_steps(prove(motion, case), step_time)
     without = LimitKind.JERK if step_time else None
     settings = best.family.found(best.unknowns).model_copy(update={"made_for": made_for, "without": without})

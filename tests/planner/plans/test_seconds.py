@@ -9,6 +9,9 @@ import pytest
 import hexcite as hx
 from cases.base.errors import HexciteError
 from cases.schema import Case
+from identification.limits.limit import LimitReport
+from identification.limits.proof import PROOF_RATE, prove
+from identification.motion.motion import Trajectory
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
 from planner.plans.making import ENDING, search
 from planner.request import Request
@@ -27,6 +30,23 @@ def test_however_short_the_time_what_is_found_is_proven(family: FamilySettings, 
     assert not found.interrupted
     assert found.limits.kept
     assert found.starts[0].record.logdet > -200.0
+
+
+@pytest.mark.parametrize("case", ["hexapod", "ur10_wrist"])
+def test_what_was_only_explored_is_proven_once_at_the_full_rate(case: str, monkeypatch: pytest.MonkeyPatch):
+    """To bring it inside takes several proofs, at fewer instants: at 10 kHz each takes a robot longer than a second."""
+    rates: list[float] = []
+
+    def counted(motion: Trajectory, case: Case, rate: float = PROOF_RATE) -> LimitReport:
+        rates.append(rate)
+        return prove(motion, case, rate)
+
+    monkeypatch.setattr("planner.plans.making.prove", counted)
+    monkeypatch.setattr("planner.search.feasibility.prove", counted)
+    found = search(Request(PointToPoint(moves=8), 2.0, model=6, seconds=1e-3), hx.load_case(case), silent, run_here)
+    assert not found.starts[0].record.refined
+    assert found.limits.kept
+    assert rates.count(PROOF_RATE) == 1
 
 
 @pytest.mark.parametrize(("ending", "rounds"), [(0.4, [False, True, False, True]), (3.0, [False])])
