@@ -17,8 +17,9 @@ from cases.sensors import Disturbances, RigidBody, Truth, together
 from identification.machines.executed import Execution, mode_frequency, rippled, vibrating
 from identification.machines.machine import Kinematics
 from identification.machines.of_case import machine_of
-from identification.model.model import acceleration_to_force, expected_forces, full_model, identification_model
+from identification.model.model import expected_forces, full_model, identification_model
 from identification.model.parameters import linear_parameters, physical_form
+from identification.model.stated_noise import acceleration_to_force
 from identification.recording.recording import Recording
 
 if TYPE_CHECKING:

@@ -13,17 +13,12 @@ import numpy as np
 from cases.schema import Case
 from cases.sensors import PoseField
 from identification.estimation.criteria import information as information_over
+from identification.estimation.pose_field import matern, squared_distances
 from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
-from identification.model.model import (
-    Model,
-    identification_model,
-    matern,
-    noise_covariance,
-    squared_distances,
-    whitening_of,
-)
+from identification.model.model import Model, identification_model
 from identification.model.parameters import nominal_parameters
+from identification.model.stated_noise import noise_covariance, whitening_of
 from identification.motion.motion import Array, Trajectory
 
 DEFAULT_NOISE = 1.0  # [N] noise where the case states none of its sensors

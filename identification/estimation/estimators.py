@@ -28,8 +28,9 @@ from identification.estimation.fit import (
 from identification.estimation.force_noise import long_run_covariance
 from identification.estimation.priors import Prior, with_priors
 from identification.finding import Finding, Kind, note
-from identification.model.model import Model, whitening_of
+from identification.model.model import Model
 from identification.model.parameters import Selection, physical_form, require_physical, select, tangent_at
+from identification.model.stated_noise import whitening_of
 from identification.options import PRIORS, Dropped, Known, Weights
 
 MOST_STEPS = 50  # of Gauss and Newton for the non-linear form

@@ -18,8 +18,8 @@ from cases.base.units import Array
 from cases.sensors import PoseField
 from identification.estimation.fit import Robust
 from identification.estimation.force_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
+from identification.estimation.pose_field import matern, squared_distances
 from identification.finding import Kind, note
-from identification.model.model import matern, squared_distances
 
 UNSEEN = 1e-9  # of the largest singular value or eigenvalue, below which there is only rounding
 JITTER = 1e-9  # white noise beside all others, as a share of their variance

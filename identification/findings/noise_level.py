@@ -11,7 +11,8 @@ from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.estimation.force_noise import products
 from identification.finding import Finding, Kind, note, warning
-from identification.model.model import expected_forces, noise_covariance
+from identification.model.model import expected_forces
+from identification.model.stated_noise import noise_covariance
 from identification.recording.recording import Recording
 from identification.samples.samples import Fitted, MotionOfSamples, Samples
 from identification.signals import white_noise

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from cases.base.errors import Code, IdentificationError
 from cases.base.units import Array
 from cases.schema import Case
-from cases.sensors import PoseField, Sensors
 from identification.machines.casadi_batch import over_samples
 from identification.machines.hexapod import Hexapod
 from identification.machines.machine import Kinematics, Machine
@@ -250,45 +249,3 @@ def identification_model(case: Case, number: int) -> Model:
             code=Code.NOT_SUPPORTED,
         )
     return model
-
-
-def noise_covariance(model: Model, sensors: Sensors, values: Array) -> Array:
-    """Covariance of a force sample at u, by sensors that state noise of forces at least, shape (6, 6)."""
-    force, acceleration = sensors.force_noise, sensors.acceleration_noise
-    assert force is not None
-    effects = acceleration_to_force(model, values) * (np.zeros(6) if acceleration is None else acceleration)
-    return np.asarray(np.diag(force**2) + effects @ effects.T)
-
-
-def acceleration_to_force(model: Model, values: Array) -> Array:
-    """G = df/d(twist rate) at u where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in that rate."""
-    still, rotations = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))
-    matrices = model.matrices(still[:, :3], rotations, still, np.vstack([np.zeros(6), np.eye(6)]))
-    forces = matrices @ values
-    return np.asarray((forces[1:] - forces[0]).T)
-
-
-def whitening_of(covariance: Array) -> Array:
-    """C with C covariance C^T = 1, shape (6, 6), lower triangular; newtons and newton metres are scaled apart."""
-    std = np.sqrt(np.diag(covariance))
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance / np.outer(std, std))) / std)
-
-
-def squared_distances(places: Array, others: Array) -> Array:
-    """Between places, shapes (n, d) and (m, d), shape (n, m)."""
-    middle = others.mean(axis=0)
-    first, second = places - middle, others - middle
-    total = np.sum(first**2, axis=1)[:, None] + np.sum(second**2, axis=1)
-    return np.asarray(np.maximum(total - 2.0 * first @ second.T, 0.0))
-
-
-def matern(distance: Array) -> tuple[Array, Array]:
-    """Matern's correlation of smoothness 3/2 at a distance in lengths, and its derivative by the length's logarithm."""
-    scaled = np.sqrt(3.0) * distance
-    fading = np.exp(-scaled)
-    return (1.0 + scaled) * fading, scaled**2 * fading
-
-
-def field_covariance(field: PoseField, struts: Array) -> Array:
-    """Covariance of a channel's errors between places, shape (n, n) [N^2]; struts: shape (n, 6) [m]."""
-    return field.size**2 * matern(np.sqrt(squared_distances(struts, struts)) / field.length)[0]

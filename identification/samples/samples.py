@@ -30,7 +30,8 @@ from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
 from identification.machines.machine import Kinematics, Machine
 from identification.model.blocks import MASS
-from identification.model.model import Model, noise_covariance, whitening_of
+from identification.model.model import Model
+from identification.model.stated_noise import noise_covariance, whitening_of
 from identification.signals import Filter, Residuals
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way

@@ -14,9 +14,10 @@ from pydantic import TypeAdapter
 from cases.base.phrases import again, said
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, reference_scaling, singular_values, total_information
+from identification.estimation.pose_field import field_covariance
 from identification.limits.limit import LimitReport
 from identification.machines.hexapod import Hexapod
-from identification.model.model import Model, field_covariance
+from identification.model.model import Model
 from identification.model.parameters import nominal_parameters
 from identification.motion.motion import Array, Trajectory
 from planner.bounds.bound import Bound

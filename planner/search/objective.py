@@ -22,7 +22,7 @@ import numpy as np
 
 from cases.base.units import Array
 from identification.estimation.criteria import Criterion
-from identification.model.model import squared_distances
+from identification.estimation.pose_field import squared_distances
 from planner.families.states import SHARE, Kernel, States, state_size
 from planner.noise import PoseErrors
 

@@ -10,10 +10,10 @@ from cases.schema import load_case
 from identification.estimation.fit import Regression, gauss_markov
 from identification.estimation.force_noise import Turned, turned
 from identification.estimation.noise_mixtures import coloured_covariance
+from identification.estimation.pose_field import matern
 from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.identify import estimate_parameters
 from identification.machines.hexapod import Hexapod
-from identification.model.model import matern
 from identification.results.estimate import Estimate
 from identification.simulate import UNDISTURBED, Circumstances, simulate_recording
 from tests.helpers import Harmonic, taylor_slope

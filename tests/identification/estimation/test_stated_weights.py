@@ -8,8 +8,9 @@ from cases.schema import Case, load_case
 from identification.estimation.estimators import Method
 from identification.identify import estimate_parameters
 from identification.machines.hexapod import Hexapod
-from identification.model.model import acceleration_to_force, identification_model, noise_covariance, whitening_of
+from identification.model.model import identification_model
 from identification.model.parameters import linear_parameters, physical_form
+from identification.model.stated_noise import acceleration_to_force, noise_covariance, whitening_of
 from identification.recording.recording import Recording
 from identification.results.estimate import entries_of
 from identification.simulate import simulate_recording
