@@ -14,7 +14,6 @@ from cases.base.errors import Code, IdentificationError, RecordingError, printab
 from cases.base.folder_kinds import RESULT
 from cases.base.options import Option, default_of
 from cases.base.output_places import check_file, check_folder, output_place
-from cases.base.phrases import said
 from cases.editing import Change
 from hexcite.cli import console
 from hexcite.cli.cases import toml_shown
@@ -307,30 +306,7 @@ def look(
         report = hx.look(recordings, None if named is None else hx.load_case(named))
         changes = () if write is None or not report.reads else report.write(write, overwrite)
         pictures = _draw(report, file, overwrite)
-    columns = [
-        {"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed, "reason": c.reason,
-         "unit_reason": c.unit_reason, "reason_codes": c.reason.codes, "unit_reason_codes": c.unit_reason.codes}
-        for c in report.columns
-    ]  # fmt: skip
-    files = [
-        {"file": str(part.file), "columns": [c.name for c in part.columns], "table": part.table,
-         "reasons": dict(part.reasons),
-         "reason_codes": {key: why.codes for key, why in part.reasons.items()}} for part in report.parts
-    ]  # fmt: skip
-    answer = {
-        "recording": str(report.file),
-        "reads": report.reads,
-        "unchanged": report.unchanged,
-        "rows": report.rows,
-        "rate_Hz": report.rate,
-        "columns": columns,
-        "files": files,
-        "repairs": list(report.repairs),
-        "repairs_phrases": [said(each).to_json() for each in report.repairs],
-        "topics": [topic.to_json() for topic in report.topics],
-        "settings": dict(report.settings),
-        "odd": list(report.odd),
-        "odd_phrases": [said(each).to_json() for each in report.odd],
+    answer = report.to_json() | {
         "picture": str(pictures[0]) if pictures else None,
         "pictures": [str(picture) for picture in pictures],
         "changes": [{"key": key, "before": before, "after": after} for key, before, after in changes],

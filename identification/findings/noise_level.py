@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.special import chdtri
 
-from cases.base.phrases import phrase
+from cases.base.phrases import Phrase, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.fit import Fit
@@ -155,29 +155,12 @@ def louder_than_stated(
     worst = int(np.argmax(excess))
     if excess[worst] <= limit:
         return []
-    channel, unit = channel_words(case, worst)
-    key = "sensors" if case.sensors.force_noise is not None else "simulation"
-    key += ".moment_noise_Nm" if unit == "N m" else ".force_noise_N"
-    others = [channel_words(case, k)[0] for k in np.argsort(-excess).tolist() if k != worst and excess[k] > limit]
-    channels = phrase("and_also", "{channel} (also {others})", channel=channel, others=", ".join(others))
-    ratio = float(excess[worst])
+    sentence, (channel, unit) = _excess_words(noise, noise_of_case, limit, case), channel_words(case, worst)
     shaken = noise_by_drives(fitted, motion)
-    by_drives = bool(np.all(noise <= limit * np.hypot(noise_of_case, shaken)))
-    far = float(np.max(np.sqrt(np.maximum(noise**2 - shaken**2, 0.0)) / noise_of_case)) > FAR_ABOVE
-    sentence = phrase(
-        "noise_excess",
-        "residuals of {channels} are {times} times the white noise that the case states: {noise} {unit} where {key} "
-        "makes {stated} {unit}",
-        channels=channels if others else channel,
-        times=f"{ratio:.2g}",
-        noise=f"{noise[worst]:.2g}",
-        stated=f"{noise_of_case[worst]:.2g}",
-        unit=unit,
-        key=key,
-    )
-    entry = {"ratios": excess.tolist(), "channel": channel, "noise": float(noise[worst]), "unit": unit}
-    entry["stated"] = float(noise_of_case[worst])
-    entry["by_drives"] = shaken.tolist()
+    entry = {
+        "ratios": excess.tolist(), "channel": channel, "noise": float(noise[worst]), "unit": unit,
+        "stated": float(noise_of_case[worst]), "by_drives": shaken.tolist(),
+    }  # fmt: skip
     if may_remember(fitted.samples, fit, recording.forces[~recording.bad], noise_of_case):
         return [
             note(
@@ -190,7 +173,7 @@ def louder_than_stated(
                 noise_excess=entry,
             )
         ]
-    if by_drives:
+    if np.all(noise <= limit * np.hypot(noise_of_case, shaken)):
         return [
             note(
                 Kind.NOISE,
@@ -206,6 +189,7 @@ def louder_than_stated(
                 noise_excess=entry,
             )
         ]
+    far = float(np.max(np.sqrt(np.maximum(noise**2 - shaken**2, 0.0)) / noise_of_case)) > FAR_ABOVE
     if far:
         sentence = phrase(
             "noise_far_above",
@@ -220,3 +204,24 @@ def louder_than_stated(
             sentence=sentence,
         )
     return [warning(Kind.NOISE, sentence, counted=not far, noise_excess=entry)]
+
+
+def _excess_words(noise: Array, noise_of_case: Array, limit: float, case: Case) -> Phrase:
+    """By how much noise of channels is above what the case states, shapes (6,), where it is by more than a ratio."""
+    excess = noise / noise_of_case
+    worst, *others = [k for k in np.argsort(-excess).tolist() if excess[k] > limit]
+    channel, unit = channel_words(case, worst)
+    key = "sensors" if case.sensors.force_noise is not None else "simulation"
+    key += ".moment_noise_Nm" if unit == "N m" else ".force_noise_N"
+    names = ", ".join(channel_words(case, k)[0] for k in others)
+    return phrase(
+        "noise_excess",
+        "residuals of {channels} are {times} times the white noise that the case states: {noise} {unit} where {key} "
+        "makes {stated} {unit}",
+        channels=phrase("and_also", "{channel} (also {others})", channel=channel, others=names) if others else channel,
+        times=f"{excess[worst]:.2g}",
+        noise=f"{noise[worst]:.2g}",
+        stated=f"{noise_of_case[worst]:.2g}",
+        unit=unit,
+        key=key,
+    )

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.base.errors import Code, FileProblem, RecordingError, option, printable
+from cases.base.phrases import said
 from cases.base.text_formats import toml_value
 from cases.base.units import Array, as_html
 from cases.editing import Change, changes_of, write_table
@@ -27,6 +28,14 @@ class Column:
     reason: Reason = NO_REASON  # why it is taken for what it is; empty where nothing is
     unit_reason: Reason = NO_REASON  # why it has this unit
 
+    def to_json(self) -> dict[str, Any]:
+        """What it is taken for, and why."""
+        return {
+            "name": self.name, "meaning": self.ours, "unit": self.unit, "guessed": self.guessed, "reason": self.reason,
+            "unit_reason": self.unit_reason, "reason_codes": self.reason.codes,
+            "unit_reason_codes": self.unit_reason.codes,
+        }  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True)
 class FileLook:
@@ -36,6 +45,13 @@ class FileLook:
     columns: tuple[Column, ...]  # in the order of the file
     table: int | None  # position of its table in `files` of the settings; None: these are its table
     reasons: Mapping[str, Reason]  # key of its settings -> why it has this value
+
+    def to_json(self) -> dict[str, Any]:
+        """Which columns it has, and why its settings are what they are."""
+        return {
+            "file": str(self.file), "columns": [column.name for column in self.columns], "table": self.table,
+            "reasons": dict(self.reasons), "reason_codes": {key: why.codes for key, why in self.reasons.items()},
+        }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +123,24 @@ class Look:
                 code=Code.EXISTS,
             )
         return write_table(file, "recording", self.settings)
+
+    def to_json(self) -> dict[str, Any]:
+        """All but the numbers of its columns, as programs read it."""
+        return {
+            "recording": str(self.file),
+            "reads": self.reads,
+            "unchanged": self.unchanged,
+            "rows": self.rows,
+            "rate_Hz": self.rate,
+            "columns": [column.to_json() for column in self.columns],
+            "files": [part.to_json() for part in self.parts],
+            "repairs": list(self.repairs),
+            "repairs_phrases": [said(each).to_json() for each in self.repairs],
+            "topics": [topic.to_json() for topic in self.topics],
+            "settings": dict(self.settings),
+            "odd": list(self.odd),
+            "odd_phrases": [said(each).to_json() for each in self.odd],
+        }
 
     def __repr__(self) -> str:
         """What it is, what is doubtful, and the settings, in a few lines."""

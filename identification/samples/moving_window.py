@@ -6,7 +6,7 @@ import numpy as np
 
 from cases.base.errors import Code, IdentificationError, RecordingError
 from cases.base.phrases import phrase
-from cases.base.units import Flags, Indices
+from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.machines.of_case import machine_of
@@ -230,34 +230,13 @@ def require_position(recording: Recording, model: Model) -> None:
 def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> tuple[Indices, tuple[Finding, ...]]:
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
     assert recording.drives is not None
-    margin = low_pass.margin
     low_pass.require(recording.drives, 0.0)
     warnings: tuple[Finding, ...] = ()
     if recording.trigger is not None:
-        rows = np.flatnonzero(recording.trigger[margin:-margin])
-        if not len(rows):
-            on = float(recording.trigger.sum()) * recording.step
-            problem = phrase("trigger_never", "is never 1")
-            if on > 0.0:
-                problem = phrase(
-                    "trigger_at_ends",
-                    "is on for {on} s only, all of it within {reach} s of an end, where the filter does not reach, as "
-                    "pulses are and a switch that is off in motion",
-                    on=f"{on:.2g}",
-                    reach=f"{margin * recording.step:.2g}",
-                )
-            raise RecordingError(
-                place=f"{recording.source}, trigger",
-                problem=problem,
-                remedy=phrase("trigger_or_none", "record with the trigger on during the motion, or leave it out"),
-                code=Code.TRIGGER,
-            )
+        rows = _triggered(recording, recording.trigger, low_pass.margin)
     else:
-        speed = low_pass.apply(recording.drives, 1)
-        # of noise behind the filter
-        least = SURE * white_noise(recording.drives) * np.sqrt(np.sum(low_pass.kernel(1, 0.0) ** 2))
-        moving = np.flatnonzero(np.any(np.abs(speed) > np.maximum(MOVING, least), axis=1))
-        rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
+        moving, count = _moving(recording.drives, low_pass)
+        rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(count)
         if not len(moving):
             sentence = phrase(
                 "never_moves",
@@ -268,8 +247,45 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
                 unit=unit,
             )
             warnings = (warning(Kind.WINDOW, sentence),)
-    travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.drives.T)
-    least_travel = LEAST_TRAVEL + NOISY * float(white_noise(recording.drives).max())
+    _require_travel(recording, recording.drives, low_pass.margin + rows, drives, unit)
+    return rows, warnings
+
+
+def _triggered(recording: Recording, trigger: Flags, margin: int) -> Indices:
+    """Filtered samples with the trigger on; raises RecordingError where there is none."""
+    rows = np.flatnonzero(trigger[margin:-margin])
+    if len(rows):
+        return rows
+    on = float(trigger.sum()) * recording.step
+    problem = phrase("trigger_never", "is never 1")
+    if on > 0.0:
+        problem = phrase(
+            "trigger_at_ends",
+            "is on for {on} s only, all of it within {reach} s of an end, where the filter does not reach, as "
+            "pulses are and a switch that is off in motion",
+            on=f"{on:.2g}",
+            reach=f"{margin * recording.step:.2g}",
+        )
+    raise RecordingError(
+        place=f"{recording.source}, trigger",
+        problem=problem,
+        remedy=phrase("trigger_or_none", "record with the trigger on during the motion, or leave it out"),
+        code=Code.TRIGGER,
+    )
+
+
+def _moving(drives: Array, low_pass: Filter) -> tuple[Indices, int]:
+    """Filtered samples at which a drive is faster than noise makes it, and how many there are of all."""
+    speed = low_pass.apply(drives, 1)
+    # of noise behind the filter
+    least = SURE * white_noise(drives) * np.sqrt(np.sum(low_pass.kernel(1, 0.0) ** 2))
+    return np.flatnonzero(np.any(np.abs(speed) > np.maximum(MOVING, least), axis=1)), len(speed)
+
+
+def _require_travel(recording: Recording, values: Array, rows: Indices, drives: str, unit: str) -> None:
+    """Raises IdentificationError where no drive travels farther than its noise, of drives of shape (n, k)."""
+    travel = max(float(np.ptp(drive[rows])) for drive in values.T)
+    least_travel = LEAST_TRAVEL + NOISY * float(white_noise(values).max())
     if travel < least_travel:
         raise IdentificationError(
             place=recording.source,
@@ -285,4 +301,3 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
             remedy=phrase("record_excitation", "record the excitation, or remove t_s from averaged standstills"),
             code=Code.NO_EXCITATION,
         ).in_doubt()
-    return rows, warnings

@@ -75,26 +75,9 @@ class _Draft:
         """The unit of each column: as the case states, as its label does, as its values say, as our name has it."""
         values = {ours: self.numbers[k] for ours, k in self.columns.places.items() if k in self.numbers}
         by_values = dict(units_of_values(values, self.case))
-        stated_units, clock = self.stated.get("units", {}), self.stated.get("clock", {}).get("unit")
         for ours, k in self.columns.places.items():
-            role, usual = ROLE_OF.get(ours), _usual_unit(ours)
             label = _stated_unit(ours, self.columns.names[k], self.table.units[k] if k < len(self.table.units) else "")
-            if role is not None and str(role) in stated_units:
-                self.units[ours], why = str(stated_units[str(role)]), because(Why.CASE_STATES)
-            elif ours == CLOCK and k in self.table.dates:
-                self.units[ours], why = "ns", because(Why.DATES)
-            elif ours == CLOCK and (clock is not None or self.table.clock is not None):
-                self.units[ours] = str(clock) if self.table.clock is None else self.table.clock[1]
-                why = because(Why.CASE_STATES if self.table.clock is None else Why.FORMAT)
-            elif label is not None and (label.symbol is not None or ours != CLOCK):
-                self.units[ours], why = label.symbol or label.text, because(Why.LABEL)
-            elif ours in by_values and by_values[ours] != usual and self.columns.names[k] != ours:
-                self.units[ours] = self.guessed[ours] = by_values[ours]
-                why = self._fits(ours)
-            else:
-                fits = because(Why.OUR_UNIT_FITS if by_values.get(ours) == usual else Why.OUR_UNIT)
-                self.units[ours], why = usual, fits if usual else NO_REASON
-            self.reasons[ours] = why
+            self.units[ours], self.reasons[ours] = self._unit(ours, k, label, by_values)
             if ours == CLOCK and label is not None and label.symbol is not None and label.counts != 1.0:
                 self.counts = label.counts
                 self.numbers = {**self.numbers, k: self.numbers[k] / label.counts}  # as the reader counts them too
@@ -103,7 +86,7 @@ class _Draft:
                 ours == CLOCK
                 and label is not None
                 and label.symbol is None
-                and clock is None
+                and self._stated_clock is None
                 and self.table.clock is None
             ):
                 self.clock_unit_stated = True
@@ -119,20 +102,43 @@ class _Draft:
         self._check_clock_unit(by_values)
         self._check_motion_units(values)
         self._ask_for_scales(values)
-        if self.guessed:
-            groups: dict[str, list[str]] = {}
-            for ours, unit in self.guessed.items():
-                groups.setdefault(unit, []).append(ours)
-            each = [
-                phrase("span_in", "{names} in {unit}", names=span(group), unit=unit) for unit, group in groups.items()
-            ]
-            self.doubts.append(
-                phrase(
-                    "units_guessed",
-                    "units guessed from values: {each}; compare them with the recorder's settings",
-                    each=enumerated("comma", each),
-                )
-            )
+        self._doubt_guesses()
+
+    @property
+    def _stated_clock(self) -> str | None:
+        """The unit of time stamps that the case states."""
+        unit: str | None = self.stated.get("clock", {}).get("unit")
+        return unit
+
+    def _unit(self, ours: str, k: int, label: StatedUnit | None, by_values: Mapping[str, str]) -> tuple[str, Reason]:
+        """The unit of a column of ours, the k-th of the file, and why: the first of these that says one."""
+        role, usual, clock = ROLE_OF.get(ours), _usual_unit(ours), self._stated_clock
+        stated_units = self.stated.get("units", {})
+        if role is not None and str(role) in stated_units:
+            return str(stated_units[str(role)]), because(Why.CASE_STATES)
+        if ours == CLOCK and k in self.table.dates:
+            return "ns", because(Why.DATES)
+        if ours == CLOCK and self.table.clock is not None:
+            return self.table.clock[1], because(Why.FORMAT)
+        if ours == CLOCK and clock is not None:
+            return clock, because(Why.CASE_STATES)
+        if label is not None and (label.symbol is not None or ours != CLOCK):
+            return label.symbol or label.text, because(Why.LABEL)
+        if ours in by_values and by_values[ours] != usual and self.columns.names[k] != ours:
+            self.units[ours] = self.guessed[ours] = by_values[ours]
+            return by_values[ours], self._fits(ours)
+        fits = because(Why.OUR_UNIT_FITS if by_values.get(ours) == usual else Why.OUR_UNIT)
+        return usual, fits if usual else NO_REASON
+
+    def _doubt_guesses(self) -> None:
+        """Units that follow from values alone are to be compared with the recorder's."""
+        groups: dict[str, list[str]] = {}
+        for ours, unit in self.guessed.items():
+            groups.setdefault(unit, []).append(ours)
+        each = [phrase("span_in", "{names} in {unit}", names=span(group), unit=unit) for unit, group in groups.items()]
+        if each:
+            words = "units guessed from values: {each}; compare them with the recorder's settings"
+            self.doubts.append(phrase("units_guessed", words, each=enumerated("comma", each)))
 
     def _check_clock_unit(self, by_values: Mapping[str, str]) -> None:
         """A clock whose stated unit makes a recorder slower than any is has the unit that fits its steps."""
