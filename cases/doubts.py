@@ -207,8 +207,8 @@ def of_links(chain: Chain) -> Iterator[Doubt]:
         sentence = phrase(
             "link_far",
             "link.centre_of_gravity_mm of {joints}: that of {name} lies {away} from its joint, the next frame "
-            "{length}, "
-            "as if it were counted from another frame; correct it, or take link away, and torque_Nm limits nothing",
+            "{length}, as if it were counted from another frame; correct it, or take link away, and torque_Nm limits "
+            "nothing",
             joints=joints,
             name=chain.joints[number - 1].name,
             away=_mm(away),

@@ -110,9 +110,8 @@ def _require_law(plan: Plan, dialect_name: str) -> None:
             place=place,
             problem=f"was made for {plan.settings.made_for or 'a controller'}, which does not limit jerk",
             remedy="moves for "
-            f"{dialect_name} satisfy the limits of jerk and last longer: plan with "
-            f"{option('controller', 'for')} {dialect_name}, or re-time "
-            f"them with hexcite retime {place} -o NEW",
+            f"{dialect_name} satisfy the limits of jerk and last longer: plan with {option('controller', 'for')} "
+            f"{dialect_name}, or re-time them with hexcite retime {place} -o NEW",
             code=Code.NOT_SUPPORTED,
         )
 

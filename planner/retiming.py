@@ -136,8 +136,8 @@ def as_fast_as_possible(
     if limited and without is None:
         raise HexciteError(
             problem=f"limits.motion of case {case.name} states jerk, which toppra cannot limit: re-time "
-            f"with {option('without')} jerk if "
-            f"the machine bears steps of acceleration, or with {option('method', 'with')} ruckig",
+            f"with {option('without')} jerk if the machine bears steps of acceleration, or with "
+            f"{option('method', 'with')} ruckig",
             code=Code.NOT_SUPPORTED,
         )
     without_jerk = case.without_jerk()

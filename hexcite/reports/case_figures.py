@@ -163,8 +163,7 @@ def _of_single_values(case: Case) -> Iterator[Phrase]:
         yield phrase(
             "torques_limit_nothing",
             "machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {joints} is not stated; add "
-            "its "
-            "mass, centre of gravity and inertia",
+            "its mass, centre of gravity and inertia",
             joints=", ".join(without),
         )
     if case.gravity[2] > 0.0:

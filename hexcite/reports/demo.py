@@ -27,8 +27,8 @@ def demo_page(chain: Demo) -> str:
     inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in chain.truth)
     execution = f"excitation as executed ({run.planned_s:.2f} s planned, {run.path_error_mm:.3f} mm from its path)"
     efficiency = (
-        "D-efficiency as executed, behind the evaluation's filter "
-        f"({chain.plan.of_motion[1].d_efficiency:.2f} planned, {run.d_efficiency_planned:.2f} as programmed)"
+        f"D-efficiency as executed, behind the evaluation's filter ({chain.plan.of_motion[1].d_efficiency:.2f} "
+        f"planned, {run.d_efficiency_planned:.2f} as programmed)"
     )
     unproven = "; ".join(f"{c.of}: {c.status}" for c in limits.checks if c.status is not Status.PROVEN)
     proof = (

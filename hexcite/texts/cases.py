@@ -63,17 +63,13 @@ CHECKED = {
     "home_cannot_be": "die Grundstellung ist nicht möglich: {why}",
     "delete_template": '; sobald alle Werte die eigenen sind, die Zeile template = "{template}" löschen',
     "tables_of_template": "<code>{tables}</code>: noch die Werte der eingebauten Maschine {template}; durch die der "
-    "eigenen "
-    "ersetzen, oder "
-    "Tabellen löschen, die sie nicht braucht{done}",
+    "eigenen ersetzen, oder Tabellen löschen, die sie nicht braucht{done}",
     "keys_of_template": "{keys}: noch die Werte der eingebauten Maschine {template}; durch die der eigenen "
     "ersetzen{done}",
     "torques_limit_nothing": "machine.chain.joints: torque_Nm und force_N begrenzen nichts, denn das Glied von "
-    "{joints} ist nicht "
-    "angegeben; Masse, Schwerpunkt und Trägheit ergänzen",
+    "{joints} ist nicht angegeben; Masse, Schwerpunkt und Trägheit ergänzen",
     "gravity_points_up": "gravity_m_s2 = {value} zeigt entlang +z von {{B}}; die Schwerkraft zeigt nach unten: das "
-    "Vorzeichen "
-    "ändern, wenn die Maschine nicht hängt",
+    "Vorzeichen ändern, wenn die Maschine nicht hängt",
 }
 """Remarks of a check."""
 

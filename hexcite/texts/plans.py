@@ -2,9 +2,9 @@
 
 PLANS = {
     "order_1": "Ordnung 1 bewegt sich auf Ellipsen: Beschleunigungen sind -w^2 mal der Weg von der Mitte, alle bei "
-    "einer "
-    "Frequenz; nur die Wege hinein und heraus, und die Schwerkraft beim Drehen, unterscheiden Trägheit von Nullpunkten "
-    "und von Fehlern, die von der Pose abhängen; auch Ordnung 3 planen und die vorausgesagten Abweichungen vergleichen",
+    "einer Frequenz; nur die Wege hinein und heraus, und die Schwerkraft beim Drehen, unterscheiden Trägheit von "
+    "Nullpunkten und von Fehlern, die von der Pose abhängen; auch Ordnung 3 planen und die vorausgesagten "
+    "Abweichungen vergleichen",
     "only_start": "der einzige Start",
     "best_start": "der beste von {count} Starts",
     "not_converged": "{which} war nicht am Ziel ({why}): ohne --starts geht die Suche weiter, bis weitere Starts wenig "
@@ -16,8 +16,7 @@ PLANS = {
     "drawn_back": "die Bewegung musste auf {share} % ihrer Wege verkleinert werden, um alle Grenzen einzuhalten: mit "
     "anderem --seed planen, oder in einem kleineren Bereich",
     "short_ways": "keine Grenze von Geschwindigkeit oder Kraft ist über {share} % genutzt ({limit}): die Wege sind "
-    "kurz "
-    "für diese Geschwindigkeiten; [limits.motion] weiter angeben, oder {other} versuchen",
+    "kurz für diese Geschwindigkeiten; [limits.motion] weiter angeben, oder {other} versuchen",
     "ended_as_asked": "nach {seconds} s beendet, wie verlangt: die beste von {count} Bewegungen bis dahin",
     "best_of_starts": "der beste von {count} Starts, der nächste hat {loss} % weniger Information: mehr Starts bringen "
     "wenig",
@@ -27,11 +26,9 @@ PLANS = {
     "needless_harmonics": "Oberschwingungen über {order} sind unnötig: ohne sie behält die Bewegung {share} % ihrer "
     "Information; --order {order} sucht weniger Unbekannte",
     "whole_periods": "ganze Perioden von {period} s brauchen {taken} s der {duration} s; --duration {more} hat Zeit "
-    "für "
-    "eine mehr",
+    "für eine mehr",
     "jerk_left_out": "gemacht für {controller}, das den Ruck nicht begrenzt: Beschleunigungen springen, und die "
-    "Grenzen "
-    "des Rucks der Maschine ({limits}) sind weggelassen, wie verlangt",
+    "Grenzen des Rucks der Maschine ({limits}) sind weggelassen, wie verlangt",
     "with_jerk": "mit begrenztem Ruck brauchen dieselben Bewegungen {seconds} s, mit einer D-Effizienz von "
     "{efficiency}",
     "best_moves": "{moves} Bewegungen sind das Beste von {tried}",

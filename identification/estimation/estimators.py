@@ -254,8 +254,7 @@ def per_channel(regression: Regression) -> Fit:
             worst = int(np.argmin(freedom))
             raise IdentificationError(
                 problem=f"channel {worst + 1} has {independent:.0f} independent samples, of which the "
-                "parameters take "
-                f"{leverage[worst]:.1f}",
+                f"parameters take {leverage[worst]:.1f}",
                 remedy=f"at least {LEAST_FREEDOM:g} more are needed to know its noise: record more, "
                 "or choose a model with fewer parameters",
                 code=Code.TOO_FEW,
@@ -338,8 +337,7 @@ def full_whitening(regression: Regression, selection: Selection) -> tuple[Array,
     if independent < LEAST:
         raise IdentificationError(
             problem=f"{independent:.0f} independent samples are too few for the covariance of six "
-            f"channels, at least {LEAST} "
-            "are needed",
+            f"channels, at least {LEAST} are needed",
             remedy=f"record more, or choose {option('weights')} per_channel",
             code=Code.TOO_FEW,
         )

@@ -56,8 +56,7 @@ def as_measurements(priors: Sequence[Prior], model: Model) -> Callable[[Array], 
         if not (np.isfinite(prior.value) and np.isfinite(prior.std) and prior.std > 0.0):
             raise IdentificationError(
                 problem=f"prior {prior.name} = {prior.value:g} +- {prior.std:g} needs finite numbers and a "
-                "standard "
-                "deviation above 0",
+                "standard deviation above 0",
                 remedy="what is known exactly is fixed by a selection",
                 code=Code.OUT_OF_RANGE,
             )

@@ -153,9 +153,8 @@ def _require_periodic(
             raise IdentificationError(
                 place=recording.source,
                 problem=f"a Fourier series of period {treatment.period:g} s with {treatment.harmonics} "
-                "harmonics is off the "
-                f"motion by {100 * share:.2g} % of its range (rms), at most {100 * NOT_PERIODIC:g} % "
-                "are a filter",
+                f"harmonics is off the motion by {100 * share:.2g} % of its range (rms), at most "
+                f"{100 * NOT_PERIODIC:g} % are a filter",
                 remedy=f"give the period and the harmonics of the plan, or leave {option('period')} out",
                 code=Code.MISFIT,
             )

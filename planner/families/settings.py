@@ -158,8 +158,7 @@ class Fourier(FourierOptions, FamilySettings):
         if round(repeats) < self.fewest:
             raise HexciteError(
                 problem=f"duration {duration:g} s is one period of order 1, which needs two: one is spent on "
-                "the ways in and "
-                "out",
+                "the ways in and out",
                 remedy=f"choose {option('duration')} {self.fewest * self.period:g} or more",
                 code=Code.OUT_OF_RANGE,
             )
@@ -184,8 +183,7 @@ class Fourier(FourierOptions, FamilySettings):
                 longer = option("period" if self.period or most >= self.fewest else "duration")
                 raise HexciteError(
                     problem=f"period {period:g} s is too short: order {order} reaches {order / period:g} Hz, the "
-                    "evaluation "
-                    f"passes up to {limit:g} Hz (half of recording.filter_cutoff_Hz)",
+                    f"evaluation passes up to {limit:g} Hz (half of recording.filter_cutoff_Hz)",
                     remedy=f"choose {longer} "
                     f"{duration / most if most >= self.fewest else self.fewest * order / limit:g} or more",
                     code=Code.OUT_OF_RANGE,

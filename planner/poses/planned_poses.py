@@ -334,8 +334,7 @@ def _choose(
     if len(indices) > count:
         raise InfeasiblePlan(
             problem=f"{count} poses do not determine model {request.model}: Algorithm 1 ends at "
-            f"{len(indices)}, every further "
-            "removal loses rank",
+            f"{len(indices)}, every further removal loses rank",
             remedy=f"ask for {len(indices)} or more",
             code=Code.NO_EXCITATION,
         )
@@ -350,8 +349,7 @@ def _require_few(poses: Array) -> None:
     if len(poses) > MOST_EXHAUSTIVE:
         raise HexciteError(
             problem="every removal is evaluated for method backward-change and criteria A, K and N, of "
-            f"{MOST_EXHAUSTIVE} "
-            f"candidates at most, here are {len(poses)}",
+            f"{MOST_EXHAUSTIVE} candidates at most, here are {len(poses)}",
             remedy=f"choose backward for criterion D, or fewer {option('candidates')}",
             code=Code.OUT_OF_RANGE,
         )

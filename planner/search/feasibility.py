@@ -163,8 +163,7 @@ def require_identifiable(case: Case, model: Model) -> None:
     except IdentificationError as error:
         raise IdentificationError(
             problem=f"case {case.name}, limits.motion: for any motion in this box {error.message}: the "
-            "machine does not turn or "
-            "accelerate its load about enough axes",
+            "machine does not turn or accelerate its load about enough axes",
             remedy=f"widen the box, or choose a smaller model than {model.number}",
             code=Code.NO_EXCITATION,
         ) from error

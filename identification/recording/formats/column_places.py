@@ -187,8 +187,7 @@ class _Draft:
                 phrase(
                     "rises_evenly",
                     "{name} rises evenly, as a clock does: if it is one, write t_s = {name} in [recording.columns], "
-                    "and its "
-                    "unit in recording.clock.unit ({units})",
+                    "and its unit in recording.clock.unit ({units})",
                     name=name,
                     units=", ".join(TICKS),
                 )

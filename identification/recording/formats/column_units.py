@@ -181,8 +181,7 @@ class _Draft:
                     phrase(
                         "joints_far",
                         "{names}: in {wrong} the joints are far from home or beyond their ends, in {unit} they are "
-                        "not; if "
-                        "they are in {unit}, state recording.units.{role} = '{unit}'",
+                        "not; if they are in {unit}, state recording.units.{role} = '{unit}'",
                         names=span(columns),
                         wrong=self.units[columns[0]],
                         unit=unit,

@@ -170,9 +170,8 @@ def _joined_by_trigger(reference: Stream, stream: Stream, stated: bool) -> tuple
             return replace(stream, trigger=None), note(Kind.CLOCK, sentence)
         sentence = phrase(
             "clocks_not_as_stated",
-            "the clocks of {pair} differ by {shift} s more than recording.clock.offset_s states, by {edges}; "
-            "correct it "
-            "or leave it out",
+            "the clocks of {pair} differ by {shift} s more than recording.clock.offset_s states, by {edges}; correct "
+            "it or leave it out",
             pair=pair,
             shift=f"{fit.shift:.4f}",
             edges=edges,

@@ -64,9 +64,8 @@ def _about(stream: Stream, even: Even, taken: bool) -> list[Finding]:
         if off < _OTHER_CLOCK:
             sentence = phrase(
                 "period_counts",
-                "{file}: recording.clock.period_ms = {period} counts, not its time stamps; these say which "
-                "samples were "
-                "lost",
+                "{file}: recording.clock.period_ms = {period} counts, not its time stamps; these say which samples "
+                "were lost",
                 file=name,
                 period=period,
             )

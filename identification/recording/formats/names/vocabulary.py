@@ -76,8 +76,7 @@ _COMPUTED: tuple[tuple[frozenset[str], Phrase, Phrase], ...] = (
         phrase(
             "wrench_of_tcp",
             "a wrench that the controller of Universal Robots turns into the axes of the base, without the payload "
-            "that "
-            "is set, and zeroes",
+            "that is set, and zeroes",
         ),
         phrase("record_ft_raw", "record ft_raw_wrench"),
     ),
