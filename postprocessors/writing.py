@@ -69,7 +69,7 @@ def proven_program(
         raise ProgramError(
             file=path, problem="the header changes how the program reads", remedy="report this", code=Code.INTERNAL
         )
-    proven = replace(proof, remarks=tuple(remarks(again, guarantees)))
+    proven = replace(proof, remarks=tuple(remarks(again, guarantees))).at_lines(_moved_lines(reading, again))
     return Program(path, dialect, content, again, guarantees, case, proven=proven)
 
 
@@ -103,6 +103,15 @@ def _same_stretches(one: Reading, other: Reading) -> bool:
             return [repr(replace(part, line=0))]
 
     return [*map(values, one.stretches)] == [*map(values, other.stretches)]
+
+
+def _moved_lines(one: Reading, other: Reading) -> dict[int, int]:
+    """Lines of the stretches of a reading -> those of the same stretches in another one."""
+
+    def lines(reading: Reading) -> list[int]:
+        return [line for part in reading.stretches for line in (part.lines if isinstance(part, Timed) else [part.line])]
+
+    return dict(zip(lines(one), lines(other), strict=True))
 
 
 def off_the_plan(guarantees: Guarantees) -> float:

@@ -274,8 +274,8 @@ def _made(
     root: Path, name: str, case: Case, basis: Callable[[Mapping[str, Any], Case], dict[str, Any]]
 ) -> Iterator[Made]:
     for file in sorted(root.glob(f"*/{name}"))[:MOST]:
-        if not file.resolve().is_relative_to(root):
-            continue
+        if file.parent.name.startswith(".") or not file.resolve().is_relative_to(root):
+            continue  # hidden: a command is at work on it, or was killed
         try:
             status = file.stat()
             record, fingerprint = _record(str(file), status.st_mtime_ns, status.st_size)

@@ -45,6 +45,16 @@ TEXTS: dict[str, tuple[str, str]] = {
     "verdict_enforces": ("The controller ({dialect}) enforces: {what}.", "Die Steuerung ({dialect}) hält ein: {what}."),
     "verdict_nobody": ("Nobody enforces: {what}.", "Niemand hält ein: {what}."),
     "verdict_beyond": ("Exceeded, and nobody enforces: {what}.", "Überschritten, und niemand hält ein: {what}."),
+    "verdict_settings": (
+        "What the controller enforces, it enforces by its own settings of axes and drives: they must be no larger than "
+        "the limits of the case.",
+        "Was die Steuerung einhält, hält sie nach ihren eigenen Einstellungen von Achsen und Antrieben ein: Diese "
+        "dürfen nicht größer sein als die Grenzen der Maschine hier.",
+    ),
+    "verdict_more": (
+        "Without that, the motion would come to {what}.",
+        "Ohne das käme die Bewegung auf {what}.",
+    ),
     "worst_of_lines": (
         "Beside a line: its worst limit. Where the program itself states the times, only lines in which a limit comes "
         "closest have one. It is shown for the program that this page wrote last.",
@@ -60,16 +70,24 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Keep the feed override at 100 % at most, a finger on feed hold.",
         "Vorschub-Override höchstens 100 %, ein Finger auf Vorschub-Halt.",
     ),
+    "step_stop": (
+        "Keep a finger on the emergency stop.",
+        "Einen Finger auf Not-Halt.",
+    ),
     "step_slow": (
-        "Run the slow program first, and watch it to its end.",
-        "Zuerst das langsame Programm fahren und bis zum Ende beobachten.",
+        "For a first try write the program above at a tenth of its speed too, run that one, and watch it to its end.",
+        "Für den ersten Versuch oben auch das Programm mit einem Zehntel der Geschwindigkeit schreiben, es fahren und "
+        "bis zum Ende beobachten.",
     ),
     "step_record": (
         "Start the recorder: forces, struts or joints, and the trigger, 500 Hz or more.",
         "Aufzeichnung starten: Kräfte, Streben oder Gelenke und Trigger, mindestens 500 Hz.",
     ),
     "step_run": ("Run the program, then stop the recorder.", "Das Programm fahren, dann die Aufzeichnung beenden."),
-    "step_bring": ("Bring the file to the next stage.", "Die Datei in den nächsten Schritt bringen."),
+    "step_bring": (
+        "Bring the recording to the stage Data.",
+        "Die Aufzeichnung in den Schritt Daten bringen.",
+    ),
     "record_here": ("How to record on this control", "So wird an dieser Steuerung aufgezeichnet"),
     "record_what": (
         "These channels at {rate} Hz, about {seconds} s, from before the motion to after it, into {file}:",
@@ -88,10 +106,12 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Die letzte Zeile im Terminal starten, dann das Programm. Danach muss sampler.0.overruns 0 sein.",
     ),
     "rec_trace_session": (
-        "Operating area Diagnostics, Trace, new session: in the window Select variables for trace insert actual "
-        "positions of the drives, the forces, and {trigger} as trigger.",
-        "Bedienbereich Diagnose, Trace, neue Sitzung: im Fenster zur Auswahl der Variablen die Istpositionen der "
-        "Antriebe, die Kräfte und {trigger} als Trigger einfügen.",
+        "Operating area Diagnostics, Trace, new session: in the window Select variables for trace insert the actual "
+        "position of each drive (such as $VA_IM of its machine axis), each force (such as $A_INA of its analogue "
+        "input) and, as trigger, {trigger}.",
+        "Bedienbereich Diagnose, Trace, neue Sitzung: im Fenster zur Auswahl der Variablen die Istposition jedes "
+        "Antriebs (etwa $VA_IM seiner Maschinenachse), jede Kraft (etwa $A_INA ihres Analogeingangs) und als Trigger "
+        "{trigger} einfügen.",
     ),
     "rec_trace_armed": (
         "Choose $AN_SLTRACE as its start and stop trigger (1 starts it, 2 stops it), and arm it by the softkey "
@@ -142,8 +162,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Ein fremder Sensor wird stattdessen aufgezeichnet.",
     ),
     "rec_table_channels": (
-        "What follows the table records actual positions and raw forces in the same cycle, names in the first row.",
-        "Was der Tabelle folgt, zeichnet Istpositionen und rohe Kräfte im selben Takt auf, Namen in der ersten Zeile.",
+        "The task that moves the machine through the table, a row a cycle, also records actual positions and raw "
+        "forces, with names in the first row.",
+        "Die Task, die die Maschine Zeile für Zeile durch die Tabelle führt, zeichnet im selben Takt Istpositionen und "
+        "rohe Kräfte auf, Namen in der ersten Zeile.",
     ),
     "rec_table_trigger": (
         "The trigger is 1 as in the table's own column, and 0 before and after.",

@@ -1,7 +1,7 @@
 """Proves that a program's text is inside the limits of a case, or names the line where it is not."""
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -145,6 +145,14 @@ class ProgramProof:
                 if faster
                 else phrase("change_move", "change the move"),
             )
+
+    def at_lines(self, lines: Mapping[int, int]) -> "ProgramProof":
+        """The same proof of a text whose lines have other numbers: line as proven -> line there."""
+
+        def moved(checks: tuple[LimitCheck, ...]) -> tuple[LimitCheck, ...]:
+            return tuple(replace(check, line=lines[check.line]) for check in checks)
+
+        return replace(self, violations=moved(self.violations), of_lines=moved(self.of_lines))
 
     def lines_to_json(self) -> list[dict[str, Any]]:
         """What `of_lines` says, an object a line: number, limit, share that is used, and whether it is enforced."""

@@ -1,8 +1,38 @@
 """The proof of a program knows the worst limit of its lines."""
 
+from pathlib import Path
+
 import pytest
 
 import hexcite as hx
+from identification.limits.limit import KINETIC
+
+PAIRS = [
+    ("hexapod", "sinumerik"),
+    *(
+        pytest.param(*pair, marks=pytest.mark.repeats)
+        for pair in (
+            ("hexapod", "linuxcnc"),
+            ("hexapod", "twincat"),
+            ("hexapod", "setpoints"),
+            ("five_axis_table", "linuxcnc"),
+            ("ur10_wrist", "urscript"),
+            ("ur10_wrist", "ros2"),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "dialect"), PAIRS)
+def test_the_lines_are_those_of_the_text(name: str, dialect: str, tmp_path: Path):
+    """The program is proven before the header states what was proven; a reader of the file finds the same lines."""
+    case = hx.load_case(name)
+    written = hx.write(hx.plan(case, hx.Manual()), dialect, accept=KINETIC)
+    file = tmp_path / f"p{written.dialect.suffix}"
+    written.save(file)
+    read = hx.check(file, case)
+    assert written.proof.of_lines == read.proof.of_lines
+    assert len(read.proof.of_lines) > 1
 
 
 @pytest.mark.slow

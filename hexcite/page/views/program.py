@@ -43,11 +43,13 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "preferred": _dialect_of(last) or (_preferred(plan, context) if plan is not None else ""),
         "recipe": _recipe(context, plan, program),
         "home": _home(context),
+        "steps": _steps(program),
         "refused": refused,
         "exceeded": exceeded[:20],
         "answerable": [(kind.replace(" ", "-"), context.words.limit(kind)) for kind in kinds],
         "written": written,
         "verdict": "" if written is None else verdict(context.words, written),
+        "relied": () if written is None else relied_on(context.words, written),
         "remarks": () if written is None else context.words.clauses(written.get("remarks"), written.get("phrases")),
         "limits": [] if written is None else limits(context.words, written.get("limits", {})),
     }
@@ -95,6 +97,30 @@ def verdict(words: Words, answer: Mapping[str, Any]) -> Markup:
     return escape(" ".join([words.say("proven"), *sentences]))
 
 
+def relied_on(words: Words, answer: Mapping[str, Any]) -> list[str]:
+    """What a proof relies on the controller's own settings for, in sentences; none where it needs nothing of them."""
+    checks = answer.get("limits", {})
+    enforced = [name for name, check in checks.items() if check.get("status") == Status.ENFORCED]
+    more = [
+        f"{words.limit_at(name, str(checks[name].get('at', name)))} {100.0 * float(checks[name]['ratio']):.1f} %"
+        for name in enforced
+        if float(checks[name]["ratio"]) > 1.0
+    ]
+    sentences = [words.say("verdict_settings")] if enforced else []
+    return sentences + ([words.say("verdict_more", what=", ".join(more))] if more else [])
+
+
+_WITHOUT_OVERRIDE = frozenset({".csv", ".script", *FORMS["ros2"]})
+"""Suffixes of programs of which no feed override or feed hold is promised."""
+
+
+def _steps(program: Program | None) -> tuple[str, ...]:
+    """What is done at the machine, as keys of texts."""
+    without = program is not None and Path(program.name).suffix.lower() in _WITHOUT_OVERRIDE
+    hold = "step_stop" if without else "step_override"
+    return "step_home", hold, "step_slow", "step_record", "step_run", "step_bring"
+
+
 def _home(context: Context) -> str:
     case = context.machine.case
     return "" if case is None or case.limits is None else case.words(case.need_motion("home")[0])
@@ -109,7 +135,11 @@ def _recipe(context: Context, plan: Made | None, program: Program | None) -> Rec
         return None
     suffix = Path(program.name).suffix.lower()
     dialect = next((name for name, language in DIALECTS.items() if suffix in language.suffixes), None)
-    return None if dialect is None else recipe(case, dialect, Path(program.name).stem, float(plan.record["duration_s"]))
+    return (
+        None
+        if dialect is None
+        else recipe(case, dialect, f"{Path(program.name).stem}-recording", float(plan.record["duration_s"]))
+    )
 
 
 def _lines(

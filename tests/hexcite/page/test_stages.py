@@ -350,8 +350,25 @@ def test_a_program_says_how_its_run_is_recorded(root: Path, case: Case, client: 
     (root / "run.mpf").write_text(f"; plan hash {fingerprint[:16]}\nG1 X0\n")
     page = client.get("/m/+mill/program").text
     assert "$A_OUT[1]" in page
-    assert "run.xml" in page
+    assert "run-recording.xml" in page
     assert "z 900.0" in page
+
+
+def test_a_plan_that_is_being_written_is_not_shown(root: Path, case: Case):
+    plan_folder(root, case, ".mill-plan.hexcite.part")
+    assert not there(root).plans
+
+
+def test_a_program_says_what_it_relies_on_the_controller_for():
+    from hexcite.page.views.program import relied_on
+
+    checks = {"jerk": {"ratio": 0.9, "status": "proven"}}
+    assert not relied_on(ENGLISH, {"limits": checks})
+    checks |= {"acceleration": {"ratio": 0.9, "status": "enforced by controller"}}
+    assert len(relied_on(ENGLISH, {"limits": checks})) == 1
+    beyond = {"ratio": 1.011, "status": "enforced by controller", "at": "strut acceleration (strut 1)"}
+    (_, sentence) = relied_on(ENGLISH, {"limits": checks | {"strut acceleration": beyond}})
+    assert "strut acceleration (strut 1) 101.1 %" in sentence
 
 
 def test_a_program_for_ros_has_the_form_that_is_chosen(root: Path, client: TestClient):
