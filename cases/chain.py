@@ -15,6 +15,7 @@ from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, KeepOut, MotionLimits, Tool, Workspace, require_flange
 from cases.sensors import RigidBody
+from cases.table_problems import of_named
 from cases.tables import (
     NonNegative,
     Number,
@@ -25,7 +26,6 @@ from cases.tables import (
     Vector,
     frozen,
     kind_of,
-    of_named,
     own_units,
     spelled,
 )

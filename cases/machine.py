@@ -12,6 +12,7 @@ from cases.base.convex import MOST_CORNERS, capsule_around
 from cases.base.phrases import enumerated, phrase, said
 from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array, Flags
+from cases.table_problems import of_named
 from cases.tables import (
     NonNegative,
     Number,
@@ -23,7 +24,6 @@ from cases.tables import (
     Text,
     Vector,
     frozen,
-    of_named,
     own_units,
     si,
 )

@@ -13,7 +13,7 @@ from identification.estimation.fit import column_scale
 from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis, Trial
 from identification.findings.causes.instants import Instants
 from identification.findings.causes.leaps import cut
-from identification.findings.causes.trials import regressors_of
+from identification.findings.causes.trial_motion import regressors_of
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import bridged
 from identification.samples.samples import MOST_DELAY

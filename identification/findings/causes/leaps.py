@@ -16,7 +16,7 @@ from cases.schema import Case
 from identification.estimation.fit import column_scale
 from identification.findings.causes.hypothesis import AS_RECORDED, Family, Hypothesis
 from identification.findings.causes.instants import Instants
-from identification.findings.causes.trials import regressors_of
+from identification.findings.causes.trial_motion import regressors_of
 from identification.model.blocks import FIRST_MOMENT, INERTIA, MASS
 from identification.recording.recording import Recording
 from identification.texts import with_deviation

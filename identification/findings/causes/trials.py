@@ -12,31 +12,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.base.errors import HexciteError
 from cases.base.units import Array, Flags
-from cases.schema import Case
 from identification.estimation.fit import column_scale
 from identification.findings.causes.hypothesis import (
     FAMILIES,
     RECORDED,
     SENSED,
-    Affine,
     Family,
     Trial,
-    case_of,
     channels_of,
-    drives_of,
-    pace_of,
 )
 from identification.findings.causes.instants import Instants, Memory
-from identification.machines.casadi_batch import over_samples
-from identification.machines.hexapod import kinematics_of_hexapods
-from identification.machines.serial_chain import SerialChain
-from identification.model.model import identification_model
+from identification.findings.causes.trial_motion import case_of_trial, motion_of_trials, regressors_of
 
 AT_ONCE = 6_000  # samples whose regressors are in memory
-STEPS = 9  # of Newton's method: under a right hypothesis home is near enough
-LARGEST_CONDITION = 1e6  # of bars that measure all forces and moments
 FEWEST = 5  # instants that show whether a machine can have some drives
 FEW = 6  # changes of the forces, from which on they share one projection
 SINGULAR = 1e-9  # of the largest singular value of scaled regressors
@@ -49,16 +38,6 @@ class Outcome(NamedTuple):
 
     residuals: Array  # rms residuals over the noise, shape (H, J); infinite where nothing fits, or no mass is so
     delays: Array  # at which they are least, shape (H, J) [s]
-
-
-class _Motion(NamedTuple):
-    """Motion of the sensor of H trials at n instants."""
-
-    positions: Array  # shape (H, n, 3) [m]
-    rotations: Array  # R, shape (H, n, 3, 3)
-    twists: Array  # shape (H, n, 6)
-    rates: Array  # shape (H, n, 6), less what gravity is off by
-    closed: Flags  # whether the machine can have such drives, shape (H,)
 
 
 def tried(instants: Instants, changes: Sequence[Trial], channels: Sequence[Trial]) -> Outcome:
@@ -99,7 +78,7 @@ def _of_sensors(instants: Instants, trials: Sequence[Trial]) -> Array:
         matrices = steps @ matrices
     frame_of_case, remembered = instants.case.sensor_frame, instants.memory.of_run
     for j, trial in enumerate(trials):
-        if (frame := _case_of(instants, trial).sensor_frame) is not frame_of_case:
+        if (frame := case_of_trial(instants, trial).sensor_frame) is not frame_of_case:
             key = "sensors", id(frame)
             if key not in remembered:  # with the frame, so that no other one gets its number
                 remembered[key] = np.linalg.solve(instants.model.structure, frame.structure), frame
@@ -112,7 +91,7 @@ def closing(instants: Instants, changes: Sequence[Trial]) -> list[Trial]:
     few = instants.part(FEWEST)
     size = max(1, AT_ONCE // len(few.rows))
     parts = [changes[k : k + size] for k in range(0, len(changes), size)]
-    closed = [_motion(few, part, [_case_of(few, trial) for trial in part]).closed for part in parts]
+    closed = [motion_of_trials(few, part, [case_of_trial(few, trial) for trial in part]).closed for part in parts]
     return [trial for trial, ok in zip(changes, np.concatenate(closed), strict=True) if ok] if changes else []
 
 
@@ -295,149 +274,6 @@ def _about(fits: Fits, trials: Sequence[Trial]) -> Iterator[About]:
         residuals = squares[:, 0, 0] + np.sum(squares[:, 0, 1:] * points, axis=1)
         best = int(np.argmin(residuals))
         yield About(points[best], max(float(residuals[best]), 0.0))
-
-
-def _case_of(instants: Instants, trial: Trial) -> Case:
-    """The case whose forces the model is to predict under a trial."""
-    drawn = [h for h in trial if h.place == "case" and h.edit is not None]
-    if not drawn:
-        return instants.case
-    remembered = instants.memory.of_run
-    drawn.sort(key=lambda hypothesis: -FAMILIES.index(hypothesis.family))  # as `case_of` edits
-    case = instants.case
-    for k in range(len(drawn)):
-        key = ("case", *map(id, drawn[: k + 1]))
-        if key not in remembered:  # with the hypotheses, so that no others get their numbers
-            remembered[key] = case_of((drawn[k],), case, ("case",)), drawn[: k + 1]
-        case = remembered[key][0]
-    return case
-
-
-def regressors_of(instants: Instants, changes: Sequence[Trial]) -> tuple[Array, _Motion]:
-    """A of each of some changes, shape (H, n, 6, u), with columns of nuisances, and the motion behind it."""
-    cases = [_case_of(instants, trial) for trial in changes]
-    motion = _motion(instants, changes, cases)
-    count, n = motion.positions.shape[:2]
-    flat = [values.reshape(count * n, *values.shape[2:]) for values in motion[:4]]
-    matrices = instants.model.matrices(*flat).reshape(count, n, 6, -1)
-    matrices = _of_other_frames(instants, cases, motion, matrices)
-    if instants.turning is not None and instants.turning.specific is not None:
-        matrices = np.concatenate([matrices, _turns_of_accelerometer(instants, motion)], axis=3)
-    return matrices, motion
-
-
-def _motion(instants: Instants, changes: Sequence[Trial], cases: Sequence[Case]) -> _Motion:
-    count, n = len(changes), len(instants.rows)
-    gravity = np.array([instants.case.gravity - case.gravity for case in cases])
-    if instants.turning is not None:
-        turning, still = instants.turning, np.zeros((count, n, 3))
-        rotations = np.broadcast_to(turning.rotations, (count, n, 3, 3))
-        omega, alpha = (np.broadcast_to(values, (count, n, 3)) for values in (turning.omega, turning.alpha))
-        acceleration = still + gravity[:, None, :]
-        if turning.specific is not None:
-            acceleration = still + np.einsum("nij,nj->ni", turning.rotations, turning.specific) + instants.case.gravity
-        rates = np.concatenate([acceleration, alpha], axis=2)
-        twists = np.concatenate([still, omega], axis=2)
-        return _Motion(still, rotations, twists, rates, np.ones(count, dtype=bool))
-    paths = _paths(instants, changes, cases)
-    pace = np.array([pace_of(trial) for trial in changes])[:, None, None]
-    rates = paths.rates / pace**2
-    rates[:, :, :3] += gravity[:, None, :]
-    return _Motion(paths.positions, paths.rotations, paths.twists / pace, rates, paths.closed)
-
-
-def _paths(instants: Instants, changes: Sequence[Trial], cases: Sequence[Case]) -> _Motion:
-    """Motions of the sensor by the recorded drives, in seconds of the recording; each is computed once."""
-    assert instants.drives is not None
-    affine = [drives_of(trial, instants.drives[0].shape[1]) for trial in changes]
-    keys = [
-        (a.matrix.tobytes(), a.offset.tobytes(), None if c.machine is instants.case.machine else id(c.machine))
-        for a, c in zip(affine, cases, strict=True)
-    ]
-    paths_by_case = instants.memory.of_instants
-    new = list({key: k for k, key in enumerate(keys) if key not in paths_by_case}.values())
-    if new:
-        paths = _new_paths(instants, [affine[k] for k in new], [cases[k] for k in new])
-        # with the machine, so that no other one gets its number
-        paths_by_case |= {keys[k]: ([values[i] for values in paths], cases[k].machine) for i, k in enumerate(new)}
-    return _Motion(*(np.stack(values) for values in zip(*(paths_by_case[key][0] for key in keys), strict=True)))
-
-
-def _new_paths(instants: Instants, affine: Sequence[Affine], cases: Sequence[Case]) -> _Motion:
-    assert instants.drives is not None
-    count, n = len(affine), len(instants.rows)
-    turns = np.array([a.matrix for a in affine]).transpose(0, 2, 1)
-    offsets = np.array([a.offset for a in affine])[:, None, :]
-    drives = (instants.drives[0] @ turns + offsets, instants.drives[1] @ turns, instants.drives[2] @ turns)
-    flat = [values.reshape(count * n, -1) for values in drives]
-    closed = np.ones(count, dtype=bool)
-    if isinstance(instants.machine, SerialChain):
-        positions, columns, twists, rates = over_samples(instants.machine.motion, *flat)
-        rotations = columns.reshape(-1, 3, 3).transpose(0, 2, 1)
-    else:
-        joints, home = _hexapods(cases)
-        flat_joints, flat_home = np.repeat(joints, n, axis=0), np.repeat(home, n, axis=0)
-        kinematics, ok = kinematics_of_hexapods(flat_joints, flat_home, flat[0], flat[1], flat[2], STEPS)
-        closed = np.asarray(ok.reshape(count, n).all(axis=1))
-        positions, twists, rates = kinematics.pose[:, :3], kinematics.twist, kinematics.twist_rate
-        rotations = _rotations(kinematics.pose[:, 3:])
-    return _Motion(
-        positions.reshape(count, n, 3), rotations.reshape(count, n, 3, 3), twists.reshape(count, n, 6),
-        rates.reshape(count, n, 6), closed,
-    )  # fmt: skip
-
-
-def _hexapods(cases: Sequence[Case]) -> tuple[Array, Array]:
-    """Joints, shape (H, 36) [m], and home, shape (H, 6) [m, rad]."""
-    machines = [case.hexapod for case in cases]
-    joints = [np.r_[m.base.points.ravel(), m.platform.points.ravel()] for m in machines if m is not None]
-    return np.array(joints), np.array([m.home.vector for m in machines if m is not None])
-
-
-def _rotations(angles: Array) -> Array:
-    """R = Rz(yaw) Ry(pitch) Rx(roll), shape (n, 3) -> (n, 3, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_euler("xyz", angles).as_matrix())
-
-
-def _of_other_frames(instants: Instants, cases: Sequence[Case], motion: _Motion, matrices: Array) -> Array:
-    """A where a case has other bars, or other joints beside sensors in the struts."""
-    stated_case = instants.case
-    if instants.model.struts is not None:
-        for k, case in enumerate(cases):
-            if case.machine is not stated_case.machine:
-                try:
-                    model = identification_model(case, instants.model.number)
-                    matrices[k] = model.matrices(*(values[k] for values in motion[:4]))
-                except HexciteError:
-                    motion.closed[k] = False
-        return matrices
-    if stated_case.sensor_frame.bars is None:
-        return matrices
-    others = [k for k, case in enumerate(cases) if case.sensor_frame is not stated_case.sensor_frame]
-    if others:
-        structures = np.array([cases[k].sensor_frame.structure for k in others])
-        regular = np.linalg.cond(structures) < LARGEST_CONDITION
-        motion.closed[[k for k, ok in zip(others, regular, strict=True) if not ok]] = False
-        some = [k for k, ok in zip(others, regular, strict=True) if ok]
-        matrices[some] = (np.linalg.solve(structures[regular], instants.model.structure))[:, None] @ matrices[some]
-    return matrices
-
-
-def _turns_of_accelerometer(instants: Instants, motion: _Motion) -> Array:
-    """Columns of small turns of the accelerometer, of mass and first moments each, shape (H, n, 6, 12)."""
-    turning = instants.turning
-    assert turning is not None
-    assert turning.specific is not None
-    varied = np.stack([np.cross(axis, turning.specific) for axis in np.eye(3)], axis=-1)  # shape (n, 3, 3)
-    moments = np.stack([np.cross(axis, varied, axisb=1, axisc=1) for axis in np.eye(3)], axis=-1).reshape(
-        len(varied), 3, 9
-    )
-    wrench = np.zeros((len(varied), 6, 12))
-    wrench[:, :3, :3], wrench[:, 3:, 3:] = varied, moments
-    columns = np.linalg.solve(instants.model.structure, wrench)
-    return np.asarray(np.broadcast_to(columns, (len(motion.positions), *columns.shape)))
 
 
 def _forces(instants: Instants, changes: Sequence[Trial], of_channels: Array, rotations: Array) -> Array:
