@@ -14,6 +14,7 @@ from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.findings.causes.deviations import Certainty, Evaluate, certain, deviations_of, sized
+from identification.findings.causes.explanations import MODERATE, NEAR, Tried
 from identification.findings.causes.hypothesis import (
     RECORDED,
     SENSED,
@@ -26,7 +27,7 @@ from identification.findings.causes.hypothesis import (
 )
 from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import Deviations, keys_to_write, numbers_of, remedy
-from identification.findings.causes.search import MODERATE, NEAR, Search, Tried, search
+from identification.findings.causes.search import Search, search
 from identification.machines.hexapod import Hexapod
 from identification.machines.of_case import machine_of
 from identification.model.model import Model, identification_model

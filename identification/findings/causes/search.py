@@ -1,8 +1,4 @@
-"""The search for the cause: every hypothesis alone, then two of them at once, and what may be named of them.
-
-A trial explains a run where it leaves what noise makes and removes nearly all that is above it; what leaves as little
-is named beside it, for it predicts the same forces.
-"""
+"""The search for the cause: every hypothesis alone, then two of them at once."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -18,6 +14,18 @@ from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.findings.causes import channels, drives, geometry, surroundings
 from identification.findings.causes.estimated import Sized, refined, settled, sized_of
+from identification.findings.causes.explanations import (
+    ALIKE,
+    CLEAN,
+    NEAR,
+    Tried,
+    explanations,
+    families_of,
+    is_noise,
+    may_be_two,
+    may_hide_another,
+    most_left,
+)
 from identification.findings.causes.hypothesis import (
     AS_RECORDED,
     FAMILIES,
@@ -32,20 +40,11 @@ from identification.findings.causes.instants import Instants, instants_of
 from identification.findings.causes.lateness import late_forces
 from identification.findings.causes.leaps import leaps_of
 from identification.findings.causes.readings import of_recording
-from identification.findings.causes.trials import ResidualForces, closing, moments_about, residual_forces, tried
+from identification.findings.causes.trials import closing, moments_about, tried
 from identification.model.model import Model
 from identification.recording.recording import Recording
 
-NEAR = 3.0  # times what noise makes of the residuals, up to which they are explained
-SURER = 0.5  # of that, up to which two mistakes of which one has a size explain a run
-REMOVED = 0.02  # share of what is above the noise, squared, that an explanation leaves at most
-ALIKE = 1.15  # ratio of residuals up to which trials predict the same forces
-SAME = 1.03  # the same within a family, of which the simplest is named
-WORSE = 1.5  # ratio of residuals by which two mistakes must explain a run better than one
-CLEAN = 1.3  # times the noise, above which a second mistake is looked for beside one that explains a run
-MODERATE = 8.0  # times the noise, up to which residuals are often noise with memory, or of the structure
-LOWERED = 0.7  # share of such residuals that a hypothesis leaves which may be one of two mistakes
-SIMPLER = 0.75  # mistakes fewer, by which one of those that are alike is named alone
+SURER = 0.5  # share of `NEAR` up to which two mistakes of which one has a size explain a run
 COARSE = 40  # instants by which most trials are left out
 COARSE_PAIRS = 24  # the same of two hypotheses at once
 KEPT = 60  # trials of each kind that are tried on all instants
@@ -57,29 +56,7 @@ READINGS = 4  # of a recording that leave least with any other hypothesis, to wh
 RIVALS = 2.0  # times the least residuals, up to which sizes that were not found beside each other are found anew
 SETTLING = 4  # times that the sizes of two hypotheses are found anew beside each other, at most
 SETTLED = 0.99  # of residuals, above which they are no longer
-ROUNDING = 1e-9  # of residuals that are the same
-LEVEL = 0.3  # of the measured noise: differences between smaller residuals say nothing
 SIMILAR = 0.1  # by which noise of channels may be changed by what a column of trials does
-
-
-@dataclass(frozen=True, slots=True)
-class Tried:
-    """A trial and what it leaves."""
-
-    trial: Trial
-    instants: Instants  # it was tried on
-    residuals: float  # over the noise
-    delay: float  # [s]
-
-    @property
-    def comparable(self) -> float:
-        """Residuals over the noise without differences that say nothing, and as if two mistakes left more than one."""
-        level = LEVEL * float(np.mean(self.instants.least / self.instants.noise))
-        return float(np.hypot(self.residuals, level)) * WORSE ** (len(self.trial) - 1)
-
-    def residual_forces(self) -> ResidualForces:
-        """The same in newtons."""
-        return residual_forces(self.instants, self.trial, self.delay)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +72,7 @@ class Search:
     @property
     def sound(self) -> bool:
         """Whether the run needs no explanation."""
-        return self.recorded is not None and not self.explanations and _near(self.recorded)
+        return self.recorded is not None and not self.explanations and is_noise(self.recorded)
 
 
 def search(recording: Recording, case: Case, model: Model, fit: Fit | None = None) -> Search | None:
@@ -115,7 +92,7 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         if fit is not None:
             of_fit = float(np.sqrt(np.mean((fit.residuals / base.noise) ** 2)))
             recorded = replace(recorded, residuals=min(of_fit, recorded.residuals))
-        if _near(recorded):
+        if is_noise(recorded):
             return Search(recorded, (), None, ())
     readings: list[tuple[Trial, Instants]] = []
     late = None if base is None else late_forces(base, recording, case, hypotheses_of(base).changes)
@@ -126,14 +103,14 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
     if base is None and not readings:
         return None
     families = {reading.family for (reading,), _ in readings}
-    worth = PROMISING * _most_left(np.inf if recorded is None else recorded.residuals)
+    worth = PROMISING * most_left(np.inf if recorded is None else recorded.residuals)
     entries = [_alone(instants, trial) for trial, instants in readings]
     if base is not None and recorded is not None:
         entries += _singles(base, AS_RECORDED, worth)
         entries += _leaps(base, recorded, recording, case, model)
         families |= {hypothesis.family for entry in entries for hypothesis in entry.trial} | _tried_alone(base)
     explained = explanations(entries, recorded)
-    pairs = _above_noise(explained[0]) if explained else _worth_pairs(entries, recorded)
+    pairs = may_hide_another(explained[0]) if explained else may_be_two(entries, recorded)
     if pairs:
         for trial, instants in sorted(readings, key=lambda reading: _promise(reading[1], reading[0]))[:READINGS]:
             entries += _singles(instants, trial, worth)
@@ -152,9 +129,9 @@ def _with_sizes(found: Sequence[Tried]) -> list[Tried]:
     """Trials of several sizes that leave about as little as the best does, one of each kind, the best first."""
     several = [entry for entry in found if sum(hypothesis.size is not None for hypothesis in entry.trial) > 1]
     several.sort(key=lambda entry: entry.residuals)
-    first = {_families(entry): entry for entry in reversed(several)}
+    first = {families_of(entry): entry for entry in reversed(several)}
     least = min(entry.residuals for entry in found)
-    close = [entry for entry in several if entry is first[_families(entry)] and entry.residuals < RIVALS * least]
+    close = [entry for entry in several if entry is first[families_of(entry)] and entry.residuals < RIVALS * least]
     return close[:GREEDY]
 
 
@@ -166,88 +143,6 @@ def _settled(entry: Tried) -> Tried:
         if entry.residuals > SETTLED * before.residuals:
             break
     return entry
-
-
-def _above_noise(explanation: Tried) -> bool:
-    """Whether a single hypothesis leaves more than what noise makes, so that there may be a second mistake."""
-    return bool(explanation.residuals > CLEAN * _noise_of(explanation))
-
-
-def _worth_pairs(found: Sequence[Tried], recorded: Tried | None) -> bool:
-    """Whether residuals are so large, or one hypothesis lowers them so much, that two mistakes may have made them."""
-    if recorded is None or recorded.residuals > MODERATE:
-        return True
-    return min((entry.residuals for entry in found), default=np.inf) < LOWERED * recorded.residuals
-
-
-def explanations(found: Sequence[Tried], recorded: Tried | None, flexible: float = 1.0) -> tuple[Tried, ...]:
-    """Those of some trials that explain the run, alike, one of each family, the best first.
-
-    Args:
-        found: the trials.
-        recorded: all as recorded.
-        flexible: share of `NEAR` up to which two mistakes explain of which one has a size, found beside the other.
-    """
-    before = np.inf if recorded is None else recorded.residuals
-    better = [entry for entry in found if entry.trial and entry.residuals < before / 2.0]
-    if not better:
-        return ()
-    best = min(better, key=lambda entry: entry.residuals)
-    noise = 1.0 if best.residuals <= _most_left(before) and best.residuals <= NEAR else _noise_of(best)
-    most = min(NEAR * noise, _most_left(before, noise))
-    less = min(flexible * NEAR * noise, most)
-    explaining = [entry for entry in better if entry.residuals <= (less if _flexible(entry) else most)]
-    if not explaining:
-        return ()
-    least = min(entry.comparable for entry in explaining)
-    alike = [entry for entry in explaining if entry.comparable <= ALIKE * least]
-    simplest: list[Tried] = []
-    for families in dict.fromkeys(_families(entry) for entry in alike):
-        same_families = [entry for entry in alike if _families(entry) == families]
-        lowest = min(entry.comparable for entry in same_families)
-        same = [entry for entry in same_families if entry.comparable <= SAME * lowest]
-        one = min(same, key=lambda entry: (mistakes(entry.trial), entry.residuals))
-        simplest += [entry for entry in same if entry is one or _equal(entry, one)]
-    fewest = min(mistakes(entry.trial) for entry in simplest)
-    plain = [entry for entry in simplest if mistakes(entry.trial) < fewest + SIMPLER]
-    return tuple(sorted(plain, key=lambda entry: (mistakes(entry.trial), FAMILIES.index(entry.trial[0].family))))
-
-
-def _flexible(entry: Tried) -> bool:
-    """Whether two mistakes at once, one of any size, follow much that neither of them made."""
-    return len(entry.trial) > 1 and any(hypothesis.size is not None for hypothesis in entry.trial)
-
-
-def _most_left(before: float, noise: float = 1.0) -> float:
-    """Residuals over the noise that an explanation leaves at most, of those that the run has as it was recorded.
-
-    Args:
-        before: those residuals.
-        noise: what noise of forces and drives makes, over that of the forces.
-    """
-    return float(np.sqrt(noise**2 + REMOVED * max(before**2 - noise**2, 0.0)))
-
-
-def _noise_of(entry: Tried) -> float:
-    """What noise of the forces and of the recorded drives makes of a trial, over that of the forces."""
-    return float(np.hypot(1.0, entry.residual_forces().shaking))
-
-
-def _equal(one: Tried, other: Tried) -> bool:
-    """Whether two trials are two words for one thing, as far as anybody can see."""
-    equal = abs(one.residuals - other.residuals) <= ROUNDING * other.residuals
-    return equal and mistakes(one.trial) == mistakes(other.trial)
-
-
-def _families(entry: Tried) -> tuple[Family, ...]:
-    return tuple(hypothesis.family for hypothesis in entry.trial)
-
-
-def _near(entry: Tried) -> bool:
-    """Whether residuals are what the noise of forces and of drives makes."""
-    if entry.residuals <= NEAR:
-        return True
-    return bool(np.isfinite(entry.residuals) and entry.residuals <= NEAR * _noise_of(entry))
 
 
 def _instants(recording: Recording, case: Case, model: Model) -> Instants | None:
