@@ -1,6 +1,6 @@
 """Arms that are driven by programs that hexcite wrote, and what was identified from their recordings."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,7 @@ import hexcite as hx
 from tests.driven import controllers, recorders
 from tests.driven.arms import ARMS, LOADS, Arm, Load
 from tests.driven.cases_of_arms import OUTPUT, evaluating, planning
-from tests.driven.plant import Course, drive
+from tests.driven.plant import Course, Drives, drive
 
 GUESS = Load(1.5, (0.0, 0.0, 0.07), (0.006, 0.0, 0.0, 0.006, 0.0, 0.003))
 
@@ -22,12 +22,17 @@ class Driven:
     load: Load
     folder: Path
     course: Course
-    switched: tuple[float, ...]  # when the program switched its output [s]
+    run: controllers.Run  # what its controller made of the program
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """Recorders that the arm has."""
-        return ("bag", "csv", "rtde") if self.switched else ("bag", "csv")
+        return ("bag", "csv", "rtde") if self.run.switched else ("bag", "csv")
+
+    def again(self, seed: int) -> "Driven":
+        """The arm of another day, which runs the same program with other drives and other friction."""
+        drives = Drives.drawn(len(self.arm.joints), seed)
+        return replace(self, course=drive(self.arm, self.load, self.run.at, self.run.duration + 0.5, drives))
 
     @property
     def truth(self) -> dict[str, float]:
@@ -57,7 +62,7 @@ class Driven:
             return recorders.bag(file, self.course, seed, self.arm.names)
         if kind == "csv":
             return recorders.table(file.with_suffix(".csv"), self.course, seed)
-        return recorders.rtde(file.with_suffix(".txt"), self.course, seed, self.switched, OUTPUT)
+        return recorders.rtde(file.with_suffix(".txt"), self.course, seed, self.run.switched, OUTPUT)
 
     def identified(self, kind: str, seed: int) -> hx.Result:
         """What is identified from it, from the URDF and the recording alone."""
@@ -70,18 +75,26 @@ class Driven:
         return {n: (result[n].value - v) / result[n].reported for n, v in self.truth.items()}
 
 
-def driven(name: str, folder: Path) -> Driven:
-    """An arm that is planned for, whose program is written, read by another interpreter, and followed by its drives."""
-    arm, load = ARMS[name], LOADS[name]
-    standing = np.array(arm.home)
-    urscript = len(arm.joints) == 6
-    case = hx.load_case(str(planning(arm, GUESS, folder / "planning", urscript)))
+def written(name: str, folder: Path) -> str:
+    """The program of an arm that is planned for, from a guess of its load."""
+    urscript = len(ARMS[name].joints) == 6
+    case = hx.load_case(str(planning(ARMS[name], GUESS, folder / "planning", urscript)))
     motion = hx.PointToPoint(moves=14, **({"controller": "urscript", "without": "jerk"} if urscript else {}))
     plan = hx.plan(case, motion, 10.0, starts=1, workers=1)
-    text = hx.write(plan, "urscript" if urscript else "ros2").text
-    run = (
-        controllers.urscript(text, standing, OUTPUT)
-        if urscript
-        else controllers.joint_trajectory(text, arm.names, standing)
-    )
-    return Driven(arm, load, folder, drive(arm, load, run.at, run.duration + 0.5), run.switched)
+    return hx.write(plan, "urscript" if urscript else "ros2").text
+
+
+def driven_by(text: str, name: str, folder: Path) -> Driven:
+    """An arm whose program is read by another interpreter and followed by its drives."""
+    arm, load = ARMS[name], LOADS[name]
+    standing = np.array(arm.home)
+    if len(arm.joints) == 6:
+        run = controllers.urscript(text, standing, OUTPUT)
+    else:
+        run = controllers.joint_trajectory(text, arm.names, standing)
+    return Driven(arm, load, folder, drive(arm, load, run.at, run.duration + 0.5), run)
+
+
+def driven(name: str, folder: Path) -> Driven:
+    """An arm that is planned for and runs what was written."""
+    return driven_by(written(name, folder), name, folder)

@@ -46,10 +46,10 @@ def test_load_and_offsets_are_what_the_arm_carried(name: str, kind: str, arm: Ca
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), RUNS)
 def test_intervals_hold_the_truth_over_seeds(name: str, kind: str, arm: Callable[[str], Driven]) -> None:
-    """Encoder noise in differentiated rates makes intervals wide, never narrow."""
-    deviations = np.abs([found(arm(name), kind, seed) for seed in range(SEEDS)])
+    """Each seed is another day: other drives, other friction, other noise."""
+    deviations = np.abs([found(arm(name).again(seed), kind, seed) for seed in range(SEEDS)])
     assert deviations.max() < WORST
-    assert np.mean(deviations < 1.96) > 0.92
+    assert 0.92 < np.mean(deviations < 1.96) < 0.98
 
 
 def test_another_place_halts_the_program(tmp_path: Path) -> None:
