@@ -44,9 +44,12 @@ def swing(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return ROBOT.chain.home + here, np.where(still, 0.0, first), np.where(still, 0.0, second)
 
 
-def swung_forces(t: np.ndarray) -> np.ndarray:
-    """What the robot's sensor reads in that motion without noise, shape (n, 6) [N, N m]."""
-    return _forces(*swing(t))
+def swung_forces(t: np.ndarray, more_kg: float = 0.0) -> np.ndarray:
+    """What the robot's sensor reads in that motion without noise, shape (n, 6) [N, N m].
+
+    With a point mass more [kg] at the load's centre of gravity.
+    """
+    return _forces(*swing(t), more_kg)
 
 
 def standing_forces(q: np.ndarray) -> np.ndarray:
@@ -54,7 +57,9 @@ def standing_forces(q: np.ndarray) -> np.ndarray:
     return _forces(q, np.zeros_like(q), np.zeros_like(q))
 
 
-def _forces(q: np.ndarray, rates: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
+def _forces(q: np.ndarray, rates: np.ndarray, accelerations: np.ndarray, more_kg: float = 0.0) -> np.ndarray:
     model = identification_model(ROBOT, full_model(ROBOT))
-    truth = linear_parameters(model, ROBOT.need_simulation("a test").parameters)
+    carried = ROBOT.need_simulation("a test").parameters
+    body = carried.body.model_copy(update={"mass_kg": carried.body.mass_kg + more_kg})
+    truth = linear_parameters(model, carried.model_copy(update={"body": body}))
     return expected_forces(model, machine_of(ROBOT).kinematics(q, rates, accelerations), truth)

@@ -1,6 +1,6 @@
 """The look at a bag of ROS: topics, rates, frames, channels, and which of them are read."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +21,9 @@ from identification.recording.formats.table import listed
 _MEANT: dict[Topic, str] = {"joints": "positions of the joints", "wrench": "readings of the force/torque sensor"}
 
 
-def look_at_bag(bag: Path, case: Case | None) -> Look:
-    """The look at a bag: topics, rates, frames, channels, and which of them are read."""
-    topics = bag_topics(bag)
+def look_at_bags(bags: Sequence[Path], case: Case | None) -> Look:
+    """The look at bags of one run: topics, rates, frames, channels, and which of them are read."""
+    topics = bag_topics(bags)
     settings: dict[str, Any] = {"filter_cutoff_Hz": CUTOFF_HZ}
     settings |= {} if case is None else {k: v for k, v in stated_of(case.recording).items() if k not in LAYOUT}
     doubts: list[str] = []
@@ -67,12 +67,12 @@ def look_at_bag(bag: Path, case: Case | None) -> Look:
             renamed = {ours: names[places[ours]] for ours in case.chain.columns if ours in places}
             settings |= {"columns": renamed} if renamed else {}
     columns = tuple(c for topic in chosen.values() for c in _channels(topic, case, settings))
-    trial = trial_of([bag], settings, case)
+    trial = trial_of(bags, settings, case)
     odd = sentences_of(trial.problem, [*doubts, *trial.doubts])
     unchanged = case is not None and trial.form == case.recording
     rows = sum(topic.messages for topic in chosen.values())
     repairs = tuple(each for each in trial.repairs if each not in odd)
-    return Look(bag, rows, columns, settings, odd, trial.problem, unchanged, topics, repairs=repairs)
+    return Look(bags[0], rows, columns, settings, odd, trial.problem, unchanged, topics, repairs=repairs)
 
 
 def _rank_of_topic(topic: BagTopic, frame: str | None) -> tuple[bool, bool, bool, str]:

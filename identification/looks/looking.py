@@ -5,7 +5,7 @@ from pathlib import Path
 
 from cases.base.errors import Code, RecordingError
 from cases.schema import Case
-from identification.looks.bags import look_at_bag
+from identification.looks.bags import look_at_bags
 from identification.looks.look import Look
 from identification.looks.tables import look_at_tables, says_how
 from identification.looks.trial import refusal_of
@@ -20,7 +20,7 @@ def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> 
     (None, True)
 
     Args:
-        files: text, Parquet, or the folder of a ROS 2 bag or of a run.
+        files: text, Parquet, bags of ROS 1 or ROS 2, or the folder of a run.
         case: the machine that it was recorded on, with what it states of its recordings; without one, units and
             completeness follow from the names alone.
 
@@ -30,12 +30,12 @@ def look(files: Path | str | Sequence[Path | str], case: Case | None = None) -> 
     places = [recording_of(Path(file)) for file in ([files] if isinstance(files, Path | str) else files)]
     if not places:
         raise RecordingError(problem="no recording is named", remedy="give the files of one run", code=Code.MISSING)
-    if is_bag(places[0]) and len(places) == 1:
-        return look_at_bag(places[0], case)
+    if all(map(is_bag, places)):
+        return look_at_bags(places, case)
     if bag := next((place for place in places if is_bag(place)), None):
         raise RecordingError(
             place=bag,
-            problem="is a bag, which holds a run alone",
+            problem="is a bag, which is looked at without files of another kind",
             remedy="look at it by itself",
             code=Code.NOT_SUPPORTED,
         )

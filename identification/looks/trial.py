@@ -15,7 +15,7 @@ from identification.finding import Finding, Kind
 from identification.identify import require_fit
 from identification.recording.formats.proposal import stated_of
 from identification.recording.formats.quantities import CONTRADICTED, contradiction
-from identification.recording.formats.reading import read_tables
+from identification.recording.formats.reading import bags_together, read_tables
 from identification.recording.recording import Recording, read
 from identification.samples.clocks import on_one_clock
 from identification.samples.moving_window import checked_filter
@@ -53,7 +53,8 @@ def trial_of(files: Sequence[Path], settings: Mapping[str, Any], case: Case | No
     trial = Trial(form=form)
     try:
         if case is None:
-            findings = [f for file in files for table in read_tables(file, form) for f in table.findings]
+            tables = [t for file, more in bags_together(files) for t in read_tables(file, form, more_bags=more)]
+            findings = [finding for table in tables for finding in table.findings]
             notes = findings
         else:
             case_with_form = case.model_copy(update={"recording": form})

@@ -5,7 +5,7 @@ files, or in a table for each.
 """
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -40,22 +40,25 @@ from identification.recording.formats.text_layout import without
 _PARQUET = b"PAR1"
 
 
-def read_tables(file: Path, form: FileFormat, ranges: Array | None = None) -> tuple[ColumnTable, ...]:
+def read_tables(
+    file: Path, form: FileFormat, ranges: Array | None = None, more_bags: Sequence[Path] = ()
+) -> tuple[ColumnTable, ...]:
     """Reads a file: one table for each clock in it; raises RecordingError with the place and the remedy.
 
     Args:
         file: the file.
         form: how it is written.
         ranges: of the force channels, as of `Sensors.range`, for what is said of shares of them.
+        more_bags: further bags of the run, where the file is a bag.
     """
-    reader: Callable[[Path, FileFormat], Iterable[ColumnTable]]
+    tables: Iterable[ColumnTable]
     if is_bag(file):
-        reader = bag_tables
+        tables = bag_tables([file, *more_bags], form)
     elif is_parquet(file):
-        reader = parquet_tables
+        tables = parquet_tables(file, form)
     else:
-        reader = known.read
-    return tuple(with_units(table, ranges) for table in reader(file, form))
+        tables = known.read(file, form)
+    return tuple(with_units(table, ranges) for table in tables)
 
 
 def is_parquet(file: Path) -> bool:
@@ -77,10 +80,10 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     if not paths:
         raise RecordingError(problem="no recording is named", remedy="give the files of one run", code=Code.MISSING)
     tables: list[ColumnTable] = []
-    for path in paths:
-        file, ways = _file_of(path, case)
+    for path, more_bags in bags_together(paths):
+        file, ways = _file_of(path, case, more_bags)
         others = sum(table.rows * len(table.values) for table in tables)
-        tables += (tables_of_file := _read_in_one_of(file, ways, case))
+        tables += (tables_of_file := _read_in_one_of(file, ways, case, more_bags))
         require_room(
             file,
             max(table.rows for table in tables_of_file),
@@ -111,8 +114,8 @@ def written_columns(paths: Sequence[Path], case: Case, names: Sequence[str]) -> 
 
     Raises RecordingError where a file cannot be read.
     """
-    for path in paths:
-        for table in _read_in_one_of(*_file_of(path, case), case):
+    for path, more_bags in bags_together(paths):
+        for table in _read_in_one_of(*_file_of(path, case, more_bags), case, more_bags):
             if {*names} <= table.values.keys():
                 return np.column_stack([table.values[c] * table.factors[c] + table.form.shift(c) for c in names])
     return None
@@ -149,6 +152,23 @@ def bag_of(path: Path) -> Path:
     return path
 
 
+def bags_together(paths: Sequence[Path]) -> list[tuple[Path, tuple[Path, ...]]]:
+    """Paths of one run, each by itself, but for bags, which are read as one: the first of them with all others."""
+    bags = [bag for path in paths if is_bag(bag := _bag_or_path(path))]
+    if len(bags) < 2:
+        return [(path, ()) for path in paths]
+    first, *others = dict.fromkeys(bags)
+    return [(first, tuple(others)), *((path, ()) for path in paths if _bag_or_path(path) not in bags)]
+
+
+def _bag_or_path(path: Path) -> Path:
+    """The bag that a path means, or the path as it is; also of names that the system refuses."""
+    try:
+        return bag_of(path)
+    except OSError:
+        return path
+
+
 def recording_of(path: Path) -> Path:
     """The file or bag that a path means: of a folder that `hexcite run` wrote the recording in it."""
     place = bag_of(path)
@@ -164,27 +184,29 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
     return [file for place in places for file in (sorted(place.iterdir()) if place.is_dir() else [place])]
 
 
-def _file_of(path: Path, case: Case | None) -> tuple[Path, tuple[FileFormat, ...]]:
+def _file_of(path: Path, case: Case | None, more_bags: Sequence[Path] = ()) -> tuple[Path, tuple[FileFormat, ...]]:
     """The file or bag that a path means, and how it may be written: what `hexcite run` wrote has our names."""
     try:
         path = recording_of(path)
         if is_bag(path):
             ways = () if case is None else case.recording.ways(path.name)
-            return path, tuple(bag_format(path, form, case) for form in ways if case is not None)
+            return path, tuple(bag_format([path, *more_bags], form, case) for form in ways if case is not None)
         ours = path.stem == "recording" and path.with_name("recording.json").is_file()
     except OSError:  # a name that the system refuses; the reader explains it
         ours = False
     return path, (RecordingFormat(),) if ours or case is None else case.recording.ways(path.name)
 
 
-def _read_in_one_of(file: Path, ways: Sequence[FileFormat], case: Case) -> tuple[ColumnTable, ...]:
+def _read_in_one_of(
+    file: Path, ways: Sequence[FileFormat], case: Case, more_bags: Sequence[Path] = ()
+) -> tuple[ColumnTable, ...]:
     """The tables of a file by the first way in which it can be read, has all columns that are mapped, and is plausible.
 
     Raises RecordingError with what is wrong with each way, where there are several.
     """
     if len(ways) == 1:
         try:
-            return read_tables(file, ways[0], case.sensors.range)
+            return read_tables(file, ways[0], case.sensors.range, more_bags)
         except RecordingError as error:
             patterns = [form.match for form in case.recording.files if form.match is not None]
             if not patterns or isinstance(ways[0], FileOfRun):
@@ -193,7 +215,7 @@ def _read_in_one_of(file: Path, ways: Sequence[FileFormat], case: Case) -> tuple
     problems = []
     for form in ways:
         try:
-            tables = read_tables(file, form, case.sensors.range)
+            tables = read_tables(file, form, case.sensors.range, more_bags)
             for table in tables:  # numbers without names fit many a table, but not its switch, its lengths, its turns
                 stream_of(table, case, Fraction(0))
         except RecordingError as error:

@@ -10,7 +10,7 @@ import struct
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -35,15 +35,15 @@ KINDS: dict[Topic, str] = {
 }
 
 
-def bag_format(bag: Path, form: FileFormat, case: Case) -> FileFormat:
-    """What the columns of a bag are called: joints as in the case, unless `columns` of the form has other names.
+def bag_format(bags: Sequence[Path], form: FileFormat, case: Case) -> FileFormat:
+    """What columns of bags of a run are called: joints as in the case, unless `columns` of the form has other names.
 
     Names that are those of another file, such as a table of the same robot, are not the bag's: where it has the joints
     of the case instead, neither these names nor units and scales beside them count.
     """
     joints = {} if case.chain is None else dict(zip(case.chain.columns, case.chain.names, strict=True))
     stated = {ours: form.columns[ours] for ours in joints if ours in form.columns}
-    if stated and _has_joints(bag, form, stated.values(), joints.values()):
+    if stated and _has_joints(bags, form, stated.values(), joints.values()):
         stated, form = {}, form.model_copy(update={"units": {}, "scale": {}, "offset": {}})
     columns = joints | stated | dict(zip(WRENCH, AXES, strict=True)) | {CLOCK: STAMP}
     units = {"joints": "rad", "drives": "m"} | form.units
@@ -54,21 +54,27 @@ def bag_format(bag: Path, form: FileFormat, case: Case) -> FileFormat:
 _FIRST = 200  # messages that show which joints a topic has
 
 
-def _has_joints(bag: Path, form: FileFormat, stated: Iterable[str], own: Iterable[str]) -> bool:
-    """Whether a bag has all joints by their own names, and not those that are stated."""
+def _has_joints(bags: Sequence[Path], form: FileFormat, stated: Iterable[str], own: Iterable[str]) -> bool:
+    """Whether bags have all joints by their own names, and not those that are stated."""
     try:
-        with opened(bag) as reader:
-            topic = topic_of(bag, reader, "joints", form.ros.get("joints"))
+        with opened(bags) as reader:
+            topic = topic_of(place_of(bags), reader, "joints", form.ros.get("joints"))
             names = {str(name) for _, message in islice(_messages(reader, topic), _FIRST) for name in message.name}
     except RecordingError:
         return False  # whoever reads it says what is wrong
     return names.issuperset(own) and not names.issuperset(stated)
 
 
-def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
-    """Reads a bag in the format of `bag_format`: a table of each topic; raises RecordingError."""
-    with opened(bag) as reader:
+def bag_tables(bags: Sequence[Path], form: FileFormat) -> Iterator[ColumnTable]:
+    """Reads bags of one run in the format of `bag_format`: a table of each topic; raises RecordingError.
+
+    A recorder that splits its bag continues a topic in the next one; two recorders have a topic each.
+    """
+    bag = place_of(bags)
+    with opened(bags) as reader:
         joints, wrench = (topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS)
+        for topic in (joints, wrench):
+            _require_one_run(reader, topic)
         theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
         received = form.ros.get("time") == "receipt"
         positions = _positions(reader, joints, theirs, received)
@@ -85,15 +91,51 @@ def bag_tables(bag: Path, form: FileFormat) -> Iterator[ColumnTable]:
             raise RecordingError(
                 place=f"{bag}, {wrench}",
                 problem=problem,
-                remedy="copy it again, or run ros2 bag reindex",
+                remedy=_copy_or_reindex(bags),
                 code=Code.DAMAGED,
             )
         yield table
 
 
+_SPLIT = (-0.1, 1.0)  # least and most time from the end of a bag to the next one of a recorder that splits it [s]
+
+
+def _require_one_run(reader: "AnyReader", topic: str) -> None:
+    """Raises RecordingError where bags with the same topic do not continue each other, as those of two runs."""
+    parts: list[tuple[int, int, Path]] = []
+    for part in reader.readers:
+        if any(connection.topic == topic and connection.msgcount for connection in part.connections):
+            parts.append((part.start_time, part.end_time, Path(part.path)))
+    parts.sort()
+    for (_, ends, first), (begins, _, second) in pairwise(parts):
+        gap = 1e-9 * (begins - ends)
+        if _SPLIT[0] <= gap <= _SPLIT[1]:
+            continue
+        when = f"begins {gap:.3g} s after {first} ends" if gap > 0.0 else f"was recorded while {first} was"
+        raise RecordingError(
+            place=f"{second}, {topic}",
+            problem=f"{when}, with the same topic: these are not parts of one run",
+            remedy="give the bags of one run, each once",
+            code=Code.CONTRADICTION,
+        )
+
+
+def place_of(bags: Sequence[Path]) -> str:
+    """How messages name bags of one run."""
+    return ", ".join(map(str, bags))
+
+
+def _copy_or_reindex(bags: Sequence[Path]) -> str:
+    """The remedy for bags that are damaged, by the tool of the ROS that wrote them."""
+    if all(bag.suffix == ".bag" for bag in bags):
+        return phrase("copy_or_reindex_ros1", "copy it again, or run rosbag reindex")
+    return phrase("copy_or_reindex", "copy it again, or run ros2 bag reindex")
+
+
 @contextmanager
-def opened(bag: Path) -> "Iterator[AnyReader]":
-    """The bag, whose damages become one line each."""
+def opened(bags: Sequence[Path]) -> "Iterator[AnyReader]":
+    """The bags of one run, read as one, whose damages become one line each."""
+    bag = place_of(bags)
     try:
         import apsw  # by which rosbags reads SQLite
         from rosbags import rosbag1, rosbag2
@@ -112,7 +154,7 @@ def opened(bag: Path) -> "Iterator[AnyReader]":
     damaged = (AnyReaderError, OSError, EOFError, ValueError, LookupError, AttributeError, TypeError, AssertionError)
     inside = (rosbag1.ReaderError, rosbag2.ReaderError, SerdeError, TypesysError, apsw.Error)
     try:
-        with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        with AnyReader([*bags], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
             yield reader
     except (*damaged, *inside, ArithmeticError, MemoryError, struct.error, sqlite3.Error) as error:
         if isinstance(error, RecordingError):
@@ -121,7 +163,7 @@ def opened(bag: Path) -> "Iterator[AnyReader]":
         raise RecordingError(
             place=bag,
             problem=phrase("bag_damaged", "is a damaged bag ({reason})", reason=reason),
-            remedy=phrase("copy_or_reindex", "copy it again, or run ros2 bag reindex"),
+            remedy=_copy_or_reindex(bags),
             code=Code.DAMAGED,
         ) from error
 
@@ -131,12 +173,19 @@ def topics_of(reader: "AnyReader", what: Topic) -> list[str]:
     return sorted({c.topic for c in reader.connections if c.msgtype == KINDS[what] and c.msgcount})
 
 
-def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) -> str:
+def topic_of(bag: str, reader: "AnyReader", what: Topic, stated: str | None) -> str:
     """The topic that is stated, or the only one of its kind; raises RecordingError where there are none or several."""
     possible = topics_of(reader, what)
     if stated in possible or (stated is None and len(possible) == 1):
         return stated or possible[0]
     kind = KINDS[what].rpartition("/")[2]
+    if not reader.connections:
+        raise RecordingError(
+            place=bag,
+            problem=phrase("empty_bag", "holds no message"),
+            remedy=phrase("record_again", "record again"),
+            code=Code.TOO_FEW,
+        )
     if not possible:
         every = listed(sorted({f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in reader.connections}))
         raise RecordingError(
@@ -164,7 +213,7 @@ def _positions(
             yield stamp, [message.position[place[joint]] for joint in joints]
 
 
-def _readings(bag: Path, reader: "AnyReader", topic: str, form: FileFormat) -> Iterator[tuple[int, list[float]]]:
+def _readings(bag: str, reader: "AnyReader", topic: str, form: FileFormat) -> Iterator[tuple[int, list[float]]]:
     """Stamps [ns], and forces and moments [N, N m]; raises RecordingError where their frame changes or is not the
     sensor's.
     """

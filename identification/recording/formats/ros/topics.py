@@ -56,9 +56,9 @@ class BagTopic:
         return f"{self.name} ({self.kind.rpartition('/')[2]}): {'; '.join(parts)}"
 
 
-def bag_topics(bag: Path) -> tuple[BagTopic, ...]:
-    """All topics of a bag, those that hexcite reads first; raises RecordingError where the bag cannot be read."""
-    with opened(bag) as reader:
+def bag_topics(bags: Sequence[Path]) -> tuple[BagTopic, ...]:
+    """All topics of bags of one run, those that hexcite reads first; raises RecordingError where one cannot be read."""
+    with opened(bags) as reader:
         counts: Counter[tuple[str, str]] = Counter()
         for connection in reader.connections:
             counts[connection.topic, connection.msgtype] += connection.msgcount

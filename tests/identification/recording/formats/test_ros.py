@@ -1,4 +1,4 @@
-"""ROS 2 bags, written by rosbags itself: two topics with clocks of their own, jitter, losses, joints in any order."""
+"""Bags of ROS 2 and ROS 1, written by rosbags: topics with clocks of their own, jitter, losses, joints in any order."""
 
 import sqlite3
 import sys
@@ -17,6 +17,7 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import ReaderError, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+import hexcite as hx
 from cases.base.errors import RecordingError
 from cases.schema import Case
 from identification.identify import identify
@@ -26,7 +27,7 @@ from tests.chains import ROBOT, swing, swung_forces
 from tests.helpers import answer, examples, one_line, refused_at
 from tests.hexcite.command_line import call
 
-TYPES = get_typestore(Stores.ROS2_HUMBLE)
+TYPES, OLD_TYPES = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS1_NOETIC)
 EPOCH = 1_700_000_000 * 10**9
 JOINTS, WRENCH = "/joint_states", "/ft/wrench_raw"
 NAMES = tuple(joint.name for joint in ROBOT.chain.joints)
@@ -66,8 +67,36 @@ def write(bag: Path, messages: Sequence[tuple[str, int, Any]], stored: StoragePl
     return bag
 
 
+def as_old(message: Any) -> Any:
+    """A message of ROS 2 as one of ROS 1, whose headers count."""
+    if not hasattr(message, "__msgtype__"):
+        return message
+    fields = {name: as_old(getattr(message, name)) for name in vars(message) if name != "__msgtype__"}
+    extra = {"seq": 0} if message.__msgtype__ == "std_msgs/msg/Header" else {}
+    return OLD_TYPES.types[message.__msgtype__](**fields, **extra)
+
+
+def write_old(
+    file: Path, messages: Sequence[tuple[str, int, Any]], packed: Writer1.CompressionFormat | None = None
+) -> Path:
+    """The bag of ROS 1 of the same messages."""
+    writer = Writer1(file)
+    if packed is not None:
+        writer.set_compression(packed)
+    with writer:
+        topics = {}
+        for topic, received, message in sorted(messages, key=lambda m: m[1]):
+            kind = message.__msgtype__
+            if topic not in topics:
+                topics[topic] = writer.add_connection(topic, kind, typestore=OLD_TYPES)
+            writer.write(topics[topic], received, OLD_TYPES.serialize_ros1(as_old(message), kind))
+    return file
+
+
 @cache
-def run(jitter: float = 3e-4, lost: float = 0.01, seed: int = 0) -> tuple[tuple[str, int, Any], ...]:
+def run(
+    jitter: float = 3e-4, lost: float = 0.01, seed: int = 0, more_kg: float = 0.0
+) -> tuple[tuple[str, int, Any], ...]:
     """Joints at 250 a second with late stamps and losses, in changing order, a gripper's between; forces at 1000."""
     draw = np.random.default_rng(seed)
     messages: list[tuple[str, int, Any]] = []
@@ -80,7 +109,7 @@ def run(jitter: float = 3e-4, lost: float = 0.01, seed: int = 0) -> tuple[tuple[
         if k % 10 == 0:
             messages.append((JOINTS, stamp + 150_000, state(stamp, ["finger"], [0.01])))
     read_at = np.arange(-0.2, 8.3, 1e-3) + 0.0002
-    forces = swung_forces(read_at) + draw.normal(size=(len(read_at), 6)) * ([0.3] * 3 + [0.01] * 3)
+    forces = swung_forces(read_at, more_kg) + draw.normal(size=(len(read_at), 6)) * ([0.3] * 3 + [0.01] * 3)
     for now, values in zip(read_at, forces, strict=True):
         stamp = EPOCH + int(1e9 * now)
         messages.append((WRENCH, stamp + 200_000, wrench(stamp, values)))
@@ -264,27 +293,91 @@ def test_a_bag_whose_metadata_is_missing_is_read_from_its_file(stored: StoragePl
         assert look(path, ROBOT).reads
 
 
+@pytest.mark.first(2)
+@pytest.mark.parametrize("packed", [None, *Writer1.CompressionFormat])
+def test_a_bag_of_ros_1_is_read(packed: Writer1.CompressionFormat | None, tmp_path: Path) -> None:
+    short = [m for m in run() if m[1] < EPOCH + 2 * 10**9]
+    bag, old = write(tmp_path / "bag", short), write_old(tmp_path / "run.bag", short, packed)
+    for theirs, ours in zip(
+        (one := read(old, ROBOT), *one.others), (two := read(bag, ROBOT), *two.others), strict=True
+    ):
+        np.testing.assert_array_equal(theirs.t, ours.t)
+    np.testing.assert_array_equal(one.forces, two.forces)
+    np.testing.assert_array_equal(one.others[0].drives, two.others[0].drives)
+    found = look(old, ROBOT)
+    assert found.problem is None
+    assert {topic.name: topic.frames for topic in found.topics} == {JOINTS: (), WRENCH: ("ft_sensor",)}
+
+
+SPLIT = EPOCH + 4 * 10**9
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize("old", [True, False])
+def test_bags_of_a_recorder_that_splits_them_are_one_run(old: bool, bag: Path, tmp_path: Path) -> None:
+    """Also where a topic has a recorder of its own."""
+    parts = {
+        "split": ([m for m in run() if m[1] < SPLIT], [m for m in run() if m[1] >= SPLIT]),
+        "alone": ([m for m in run() if m[0] == WRENCH], [m for m in run() if m[0] == JOINTS]),
+    }
+    whole = read(bag, ROBOT)
+    for name, messages in parts.items():
+        bags = [
+            write_old(tmp_path / f"{name}_{k}.bag", part) if old else write(tmp_path / f"{name}_{k}", part)
+            for k, part in enumerate(messages)
+        ]
+        recording = read(bags[::-1], ROBOT)
+        np.testing.assert_array_equal(recording.forces, whole.forces)
+        np.testing.assert_array_equal(recording.others[0].drives, whole.others[0].drives)
+        assert recording.paths == tuple(bags[::-1])
+        assert look(bags, ROBOT).reads
+
+
+def test_bags_of_two_runs_are_not_one(tmp_path: Path) -> None:
+    first = [m for m in run() if m[1] < EPOCH + 10**9]
+    later = [(t, r + 60 * 10**9, m) for t, r, m in first]
+    bags = [write_old(tmp_path / f"{k}.bag", messages) for k, messages in enumerate((first, later, first))]
+    for other, words in ((bags[1], r"begins 5\d\.\d s after .*0\.bag ends"), (bags[2], "recorded while .*0.bag was")):
+        with refused_at(other, words):
+            read([bags[0], other], ROBOT)
+
+
+def test_a_bag_of_ros_1_without_index_is_named_with_its_own_tool(tmp_path: Path) -> None:
+    """What is left of a recorder that was stopped hard."""
+    file = write_old(tmp_path / "run.bag", run()[:200])
+    content = file.read_bytes()
+    index = content.index(b"index_pos=") + len("index_pos=")
+    file.write_bytes(content[:index] + bytes(8) + content[index + 8 :])
+    for call_it in (lambda: read(file, ROBOT), lambda: look(file, ROBOT)):
+        with refused_at(file, "not indexed.*rosbag reindex"):
+            call_it()
+    with refused_at(write_old(tmp_path / "none.bag", []), "holds no message"):
+        read(tmp_path / "none.bag", ROBOT)
+
+
 @pytest.mark.repeats
-def test_a_bag_of_ros_1_is_read(bag: Path, tmp_path: Path) -> None:
-    old = get_typestore(Stores.ROS1_NOETIC)
-
-    def as_old(message: Any) -> Any:
-        if not hasattr(message, "__msgtype__"):
-            return message
-        fields = {name: as_old(getattr(message, name)) for name in vars(message) if name != "__msgtype__"}
-        extra = {"seq": 0} if message.__msgtype__ == "std_msgs/msg/Header" else {}
-        return old.types[message.__msgtype__](**fields, **extra)
-
-    file = tmp_path / "run.bag"
-    with Writer1(file) as writer:
-        topics = {}
-        for topic, received, message in sorted(run(), key=lambda m: m[1]):
-            kind = message.__msgtype__
-            if topic not in topics:
-                topics[topic] = writer.add_connection(topic, kind, typestore=old)
-            writer.write(topics[topic], received, old.serialize_ros1(as_old(message), kind))
-    assert look(file, ROBOT).reads
-    np.testing.assert_allclose(read(file, ROBOT).forces, read(bag, ROBOT).forces)
+@pytest.mark.parametrize("commanded", [True, False])
+def test_a_payload_of_two_bags_forces_and_a_tare(commanded: bool, tmp_path: Path) -> None:
+    """Of ROS 1, by the command and by the library; what is compared are the masses that were carried."""
+    empty, loaded = (write_old(tmp_path / f"{kg}.bag", run(seed=kg, more_kg=kg)) for kg in (0, 2))
+    if commanded:
+        m = call("payload", empty, loaded, "--case", "ur10_wrist", "--json").json()["parameters"]["m"]
+        value, reported = m["value"], max(m["std"], m["std_robust"])
+    else:
+        m = hx.payload(hx.Recording.load(empty, ROBOT), hx.Recording.load(loaded, ROBOT))["m"]
+        value, reported = m.value, m.reported
+    assert abs(value - 2.0) < 4.0 * reported < 0.02
+    if not commanded:
+        return
+    result, standing = tmp_path / "result", [m for m in run() if m[1] < EPOCH + 4 * 10**8]
+    call("identify", loaded, "--case", "ur10_wrist", "-o", result)
+    forces = call("force", empty, "--parameters", result, "-o", tmp_path / "force.csv", "--json").json()
+    t = np.arange(-0.2, 8.3, 1e-3)
+    missed = np.sqrt(np.mean((swung_forces(t, 2.0) - swung_forces(t)) ** 2, axis=0))
+    np.testing.assert_allclose([*forces["rms"].values()], missed, rtol=0.1)  # at other instants
+    still = write_old(tmp_path / "still.bag", standing)
+    tared = call("tare", still, "--parameters", result, "-o", tmp_path / "tared", "--json").json()
+    assert tared["tared_with"] == str(still)
 
 
 def test_a_topic_whose_messages_are_lost_is_named_though_the_index_counts_them(tmp_path: Path) -> None:
@@ -323,6 +416,23 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[StoragePlugin, Path]
     folder = tmp_path_factory.mktemp("bags")
     short = [m for m in run() if m[1] < EPOCH + 3 * 10**8]
     return {stored: write(folder / stored.name, short, stored) for stored in StoragePlugin}
+
+
+@pytest.fixture(scope="module")
+def whole_old(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    file = tmp_path_factory.mktemp("bags") / "run.bag"
+    return write_old(file, [m for m in run() if m[1] < EPOCH + 3 * 10**8]).read_bytes()
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(20))
+@given(place=st.floats(0.0, 1.0), noise=st.binary(min_size=1, max_size=40), cut=st.booleans())
+def test_a_damaged_bag_of_ros_1_gives_a_run_or_one_line(
+    place: float, noise: bytes, cut: bool, whole_old: bytes, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    bag, at = tmp_path_factory.mktemp("damaged") / "run.bag", int(place * len(whole_old))
+    bag.write_bytes(whole_old[:at] if cut else whole_old[:at] + noise + whole_old[at + len(noise) :])
+    recording = answer(lambda: read(bag, ROBOT), str(bag))
+    assert recording is None or np.isfinite(recording.forces).all()
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(20))
