@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from cases.base.doors import door
 
 if TYPE_CHECKING:
+    from identification._payload import payload as payload
     from identification.estimation.estimators import Method as Method
     from identification.estimation.priors import Prior as Prior
     from identification.finding import Finding as Finding
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from identification.results.history import History as History
     from identification.results.history import history as history
     from identification.results.identifiability import Identifiability as Identifiability
-    from identification.results.payload import payload as payload
     from identification.results.pooling import pool as pool
     from identification.results.result import Result as Result
     from identification.results.taring import tare as tare
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from identification.samples.treatment import Treatment as Treatment
 
 PUBLIC = {
+    "payload": "identification._payload",
     "Method": "identification.estimation.estimators",
     "Prior": "identification.estimation.priors",
     "Finding": "identification.finding",
@@ -45,7 +46,6 @@ PUBLIC = {
     "History": "identification.results.history",
     "history": "identification.results.history",
     "Identifiability": "identification.results.identifiability",
-    "payload": "identification.results.payload",
     "pool": "identification.results.pooling",
     "Result": "identification.results.result",
     "Verdict": "identification.results.verdicts",

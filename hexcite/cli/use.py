@@ -7,11 +7,12 @@ import typer
 
 import hexcite as hx
 from cases.base.atomic import write_text
+from cases.base.errors import Code, HexciteError
 from cases.base.folder_kinds import RESULT
 from cases.base.options import default_of
 from cases.base.output_places import check_file, check_folder, output_place
 from cases.base.text_formats import json_text
-from hexcite.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out
+from hexcite.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out, status
 from hexcite.cli.declared import takes
 from identification.options import Frame, LoadFrame
 from postprocessors.options import DespiteWarnings, ExportFrame, ExportTarget, PayloadTarget
@@ -126,8 +127,18 @@ def tare(
 
 @takes()
 def payload(
-    before: Annotated[Path, argument("Result folder without the payload.")],
-    after: Annotated[Path, argument("Result folder with it.")],
+    before: Annotated[
+        Path,
+        argument("Without the payload: result folder of hexcite identify, or a recording, which is identified first."),
+    ],
+    after: Annotated[Path, argument("The same with it.")],
+    more_before: Annotated[
+        list[Path] | None,
+        option("One more file of the recording without it, such as that of the joints. Repeatable.", "--before"),
+    ] = None,
+    more_after: Annotated[
+        list[Path] | None, option("One more file of the recording with it. Repeatable.", "--after")
+    ] = None,
     reference: Annotated[
         list[str] | None,
         option("A value that it should have, with its expanded uncertainty (k = 2): m=19.93+-0.01kg. Repeatable."),
@@ -150,11 +161,12 @@ def payload(
     With --reference: E_n of each, the difference over the root of both squared U (k = 2); exit code 1 where one is
     above 1.
     """
+    places = [[before, *(more_before or ())], [after, *(more_after or ())]]
     if target is None and output is not None:
-        check_file(output, [".json"], [before, after], overwrite)
-        check_file(output.with_suffix(".html"), [".html"], [before, after], overwrite)
-    old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
-    difference = hx.payload(old, hx.Result.load(after, old.case, stale))
+        for file, suffix in ((output, ".json"), (output.with_suffix(".html"), ".html")):
+            check_file(file, [suffix], [place for run in places for place in run], overwrite)
+    with status("identifying", json):
+        difference = hx.payload(*_two_runs(places, None if case is None else hx.load_case(case), stale))
     answer = difference.to_json()
     texts: list[object] = [difference]
     body = None
@@ -168,7 +180,7 @@ def payload(
     if reference:
         from hexcite.cli.method_options import verdict_of_references
 
-        verdict = verdict_of_references(reference, difference.parameters, old.model.number)
+        verdict = verdict_of_references(reference, difference.parameters, difference.empty.model.number)
         answer["reference"] = verdict.to_json()
         texts.append(verdict)
     if target is not None:
@@ -185,3 +197,32 @@ def payload(
     answered(answer, json, *texts)
     if verdict is not None and not verdict.passed:
         raise typer.Exit(1)
+
+
+def _two_runs(
+    places: list[list[Path]], case: "hx.Case | None", stale: bool
+) -> "tuple[hx.Result | hx.Recording, hx.Result | hx.Recording]":
+    """What stands at two places, each a result folder, or all files of a recording.
+
+    Where no case is named, a recording that does not know its own takes that of the other one.
+    """
+    from identification.recording.recording import record_of
+
+    results = [(run[0] / "result.json").is_file() for run in places]
+    for run, is_result in zip(places, results, strict=True):
+        if is_result and len(run) > 1:
+            raise HexciteError(
+                place=run[1],
+                problem=f"is one more file of a recording, and {run[0]} is a result",
+                remedy="name the files of the recording, or the result alone",
+                code=Code.CONTRADICTION,
+            )
+    know_their_case = [
+        is_result or record_of(run[0]) is not None for run, is_result in zip(places, results, strict=True)
+    ]
+    loaded: dict[int, hx.Result | hx.Recording] = {}
+    for k in sorted(range(len(places)), key=lambda k: not know_their_case[k]):
+        run = places[k]
+        loaded[k] = hx.Result.load(run[0], case, stale) if results[k] else hx.Recording.load(run, case, stale)
+        case = case or loaded[k].case
+    return loaded[0], loaded[1]

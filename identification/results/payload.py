@@ -1,8 +1,8 @@
 """The payload: the rigid body that was added from one identification to another."""
 
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.special import chdtri
@@ -30,14 +30,25 @@ LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place
 UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
 
 
-class Payload(NamedTuple):
-    """The payload between two results."""
+@dataclass(frozen=True, repr=False)
+class Payload:
+    """The payload between two results.
 
-    parameters: dict[str, Value]  # mass, centre of gravity in {P} and inertia about it (where both results have it)
+    >>> payload = hx.payload(hx.Result.load("empty-result"), hx.Result.load("loaded-result"))
+    >>> f"{payload['m'].value:.2f} +- {payload['m'].reported:.2f} {payload['m'].unit}"
+    '19.92 +- 0.01 kg'
+    """
+
+    # mass, centre of gravity in {P} and inertia about it (where both results have it) [SI]
+    parameters: Mapping[str, Value]
     findings: tuple[Finding, ...]
     empty: Result  # the result without it
     loaded: Result  # the result with it
     body: Body | None  # the same in {P} with its covariance; None where not all of its centre of gravity is known
+
+    def __getitem__(self, name: str) -> Value:
+        """A physical parameter [SI], as of a result: `payload["m"].value`, `.reported`, `.unit`."""
+        return self.parameters[name]
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -120,6 +131,7 @@ class Payload(NamedTuple):
         return {
             "parameters": {name: value._asdict() for name, value in self.parameters.items()},
             "warnings": list(self.warnings),
+            "doubts": list(self.doubts),
             "computed_from": {
                 name: {
                     "result": of.source,
@@ -134,9 +146,12 @@ class Payload(NamedTuple):
         }
 
     def __repr__(self) -> str:
-        """A line for each parameter, and warnings."""
-        warnings = (f"warning: {warning}" for warning in self.warnings)
-        return "\n".join(["Payload", *parameter_lines(self.parameters), *warnings])
+        """A line for each parameter, its warnings, and those of both results that doubt their values."""
+        lines = [f"warning: {warning}" for warning in self.warnings]
+        for run, result in (("without", self.empty), ("with", self.loaded)):
+            doubts = [finding.sentence for finding in result.findings if finding.doubts_values]
+            lines += [f"warning of the run {run} it: {sentence}" for sentence in dict.fromkeys(doubts)]
+        return "\n".join(["Payload", *parameter_lines(self.parameters), *lines])
 
     def _repr_html_(self) -> str:
         return as_html(self)
@@ -145,18 +160,13 @@ class Payload(NamedTuple):
 def payload(before: Result, after: Result) -> Payload:
     """The body that was mounted from one identification to another: mass, centre of gravity, inertia.
 
-    >>> empty, loaded = hx.Result.load("empty-result"), hx.Result.load("loaded-result")
-    >>> mass = hx.payload(empty, loaded).parameters["m"]
-    >>> f"{mass.value:.2f} +- {mass.reported:.2f} {mass.unit}"
-    '19.92 +- 0.01 kg'
-
     Raises:
         IdentificationError: both are of the same recording, or the difference in mass is not significant.
         FileProblem: parameters of another case.
     """
     require_two(before, after)
     difference = (payload_on_table if before.case.setup == "1a" else payload_between)(before, after)
-    return difference._replace(findings=(*difference.findings, *changed_cases(before.remarks + after.remarks)))
+    return replace(difference, findings=(*difference.findings, *changed_cases(before.remarks + after.remarks)))
 
 
 def payload_on_table(before: Result, after: Result) -> Payload:

@@ -81,6 +81,26 @@ def test_a_payload_is_the_same_from_both(made: Path):
     assert answer["parameters"] == {name: value._asdict() for name, value in found.parameters.items()}
     assert answer["warnings"] == list(found.warnings)
     assert tells(repr(found), "mass (m)", "kg")
+    assert found["m"] == found.parameters["m"]
+    with pytest.raises(KeyError, match="k0"):  # as of a result, which names what it lacks
+        found["k0"]
+
+
+def test_a_payload_of_recordings_is_that_of_their_results(made: Path) -> None:
+    """A run knows its case; a table takes that of the other run."""
+    of_results = call("payload", made / "empty-result", made / "loaded-result", "--json").json()
+    table = made / "table.csv"
+    table.write_bytes((made / "loaded" / "recording.csv").read_bytes())
+    of_runs = call("payload", made / "empty", table, "--json").json()
+    empty = hx.Result.load(made / "empty-result")
+    of_both = hx.payload(empty, hx.Recording.load(made / "loaded"))
+    for name, value in of_results["parameters"].items():
+        assert of_runs["parameters"][name] == value, name
+        assert of_both[name]._asdict() == value, name
+    with pytest.raises(HexciteError, match=r"which machine it is from.*case"):
+        hx.payload(*(hx.Recording("made by hand", None, None, None, np.zeros((9, 6)), None) for _ in range(2)))
+    reason = refused("payload", made / "empty-result", made / "loaded", "--before", table)
+    assert tells(reason, str(table), "empty-result is a result", "alone")
 
 
 @pytest.mark.repeats
