@@ -102,10 +102,10 @@ _SPLIT = (-0.1, 1.0)  # least and most time from the end of a bag to the next on
 
 def _require_one_run(reader: "AnyReader", topic: str) -> None:
     """Raises RecordingError where bags with the same topic do not continue each other, as those of two runs."""
-    parts: list[tuple[int, int, Path]] = []
+    parts: list[tuple[int, int, str]] = []
     for part in reader.readers:
         if any(connection.topic == topic and connection.msgcount for connection in part.connections):
-            parts.append((part.start_time, part.end_time, Path(part.path)))
+            parts.append((part.start_time, part.end_time, str(part.path)))
     parts.sort()
     for (_, ends, first), (begins, _, second) in pairwise(parts):
         gap = 1e-9 * (begins - ends)
