@@ -69,6 +69,14 @@ class NonlinearProgram:
         """The largest share of a limit that unknowns use, at all critical states, those without rows included."""
         return max(float(np.abs(part.all_values(unknowns)).max()) for part in self.rows if part.equal is None)
 
+    def unseen(self, unknowns: Array) -> float:
+        """The largest share of a limit that unknowns use at critical states where it has no row."""
+        return max(
+            float(np.abs(part.all_values(unknowns)[~part.chosen]).max(initial=0.0))
+            for part in self.rows
+            if part.equal is None
+        )
+
     def outside(self, unknowns: Array) -> float:
         """By how much unknowns are outside their bounds."""
         return float(max((self.lower - unknowns).max(), (unknowns - self.upper).max(), 0.0))

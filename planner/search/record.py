@@ -16,6 +16,7 @@ class SolverStatus(StrEnum):
     ITERATION_LIMIT = "maximum iterations exceeded"
     SETTLED = "no more gained"
     SHORT_STEP = "search direction becomes too small"
+    BEYOND = "beyond a limit that it did not see"
     NOT_RUN = ""
     FAILED = "failed"  # for whichever reason
 

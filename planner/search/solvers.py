@@ -113,6 +113,7 @@ def solve(
     watch: Watch,
     barrier: Barrier | None = None,
     solver: Solver = Solver.IPOPT,
+    beyond: Callable[[Array], bool] | None = None,
 ) -> tuple[Array, SolverStatus, int]:
     """Solves a program from a start, which need not be inside its limits.
 
@@ -123,21 +124,29 @@ def solve(
         watch: called with the objective of each iteration.
         barrier: of IPOPT; None where it shall adapt.
         solver: which of CasADi's.
+        beyond: whether an iterate exceeds what the program does not limit; it ends the solver, and counts no more.
 
     Returns:
-        The unknowns, of a solver that did not converge the best inside the limits; its status; its iterations.
+        The unknowns, of a solver that did not converge the best inside the limits, of one that came `beyond` those of
+        the iterate before that; its status; its iterations.
     """
     bounds, n = program.row_bounds, program.unknowns
     count = len(bounds[0])
     number = ca.Sparsity.dense(1, 1)
     best, best_unknowns, settled, passed = np.inf, start, False, 0
+    before, crossed = start, False  # the iterate before, and whether the present one is beyond
     latest: list[float] = []
     patience = PATIENCE[solver]
 
     def iterate(unknowns: Array, value: Array, rows: Array, *_: Array) -> Sequence[Array]:
         """Remembers the best inside the bounds, stops where the gain is small. IPOPT would swallow an exception."""
-        nonlocal best, best_unknowns, settled, passed
+        nonlocal best, best_unknowns, settled, passed, before, crossed
         objective, passed = float(value[0]), passed + 1
+        crossed = crossed or (beyond is not None and beyond(unknowns))
+        if crossed:
+            watch(objective)
+            return (np.ones(1),)
+        before = unknowns.copy()
         inside = (bounds[0] - rows).max(initial=0.0) < INSIDE and (rows - bounds[1]).max(initial=0.0) < INSIDE
         if inside and objective < best:
             best, best_unknowns = objective, unknowns.copy()
@@ -166,6 +175,8 @@ def solve(
     method = ca.nlpsol("solver", "ipopt" if solver is Solver.IPOPT else "sqpmethod", nlp, settings)
     answer = method(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
     status, steps = _ended(method, passed)
+    if crossed:
+        return before, SolverStatus.BEYOND, steps
     at_rest = len(latest) > FLAT and max(latest[-FLAT:]) < min(latest[-FLAT:]) + GAIN
     if settled or (status is SolverStatus.SHORT_STEP and at_rest):
         status = SolverStatus.SETTLED

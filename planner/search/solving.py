@@ -43,6 +43,7 @@ SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess bet
 SHRINKING = 1e-3  # excess that shrinking removes: it costs 0.2 % of an efficiency at most, to solve again costs more
 TIGHTER = 3  # times at most that limits are constrained at more instants, and tightened by the remaining excess
 NEAR = 0.8  # share of a limit from which its instants are then constrained
+UNSEEN = 1.2  # share of a limit at an instant without a row from which a refinement begins anew, with rows there
 FAR = 0.6  # share of a non-linear limit below which a refinement does not constrain an instant, until it comes near
 DRAWN_BACK = 0.98  # share: a motion that had to shrink to less is searched for once more, from inside
 FURTHER = 25  # the same of a motion that is drawn back from
@@ -209,6 +210,7 @@ class _Run:
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped = False, False
         self.begun = np.zeros(0)  # where the solver began
+        self.ahead = np.zeros(0)  # the iterate that ended it because it exceeds limits where they have no row
 
     def stops(self, objective: float) -> bool:
         """Whether the solver is to stop, called with the objective of each iteration."""
@@ -256,11 +258,32 @@ class _Run:
         return self.program.unknowns <= FEW
 
     def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
-        """Runs the solver once; where the start is to end, its functions are not even built: that takes seconds.
+        """Runs the solver, in a refinement anew from before an iterate that exceeds limits by far where it has no rows.
 
         Args:
+            iterations: at most; what is begun anew has as many as mending has.
             convex: whether second derivatives are convex where they would be exact otherwise.
         """
+        until = self.iterations + iterations
+        unknowns = self.solve_once(unknowns, iterations, barrier, convex)
+        while self.status is SolverStatus.BEYOND:
+            self.program = self.program.with_rows_above(unknowns, FAR).with_rows_above(self.ahead, FAR)
+            if convex or self.iterations >= until:  # exact ones go on
+                self.status = SolverStatus.ITERATION_LIMIT
+                break
+            left = max(until - self.iterations, self.family.mending)
+            unknowns = self.solve_once(unknowns, left, _AT_HAND, convex)
+        return unknowns
+
+    def beyond(self, unknowns: Array) -> bool:
+        """Whether an iterate exceeds limits by far where they have no row; it is remembered, for the rows to add."""
+        if self.program.unseen(unknowns) <= UNSEEN:
+            return False
+        self.ahead = unknowns.copy()
+        return True
+
+    def solve_once(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool) -> Array:
+        """Runs the solver once; where the start is to end, its functions are not even built: that takes seconds."""
         if self.stopped:
             self.status, self.converged = SolverStatus.STOPPED, False
             return unknowns
@@ -269,7 +292,8 @@ class _Run:
         program = replace(self.program, convex=convex or not (task.of_moves or (task.refine and not self.few)))
         usual = Solver.ACTIVE_SET if self.few and not (task.of_moves or task.refine) else Solver.IPOPT
         solver = task.solver or usual
-        solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver)
+        beyond = self.beyond if task.refine else None
+        solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver, beyond)
         self.iterations += count
         self.converged = self.status.converged and bool(np.isfinite(solution).all())
         if not np.isfinite(solution).all():

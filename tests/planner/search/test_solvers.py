@@ -90,6 +90,22 @@ def test_a_watch_that_has_seen_enough_stops_it(solver: Solver):
     assert len(seen) == 3
 
 
+@pytest.mark.parametrize("solver", Solver)
+def test_an_iterate_beyond_what_it_limits_ends_it_at_the_one_before(solver: Solver):
+    passed: list[np.ndarray] = []
+
+    def beyond(unknowns: np.ndarray) -> bool:
+        passed.append(unknowns.copy())
+        return bool(unknowns[0] > 0.4)
+
+    x, status, count = solve(valley(), np.array([0.1, 0.1, 0.2]), 200, lambda objective: False, None, solver, beyond)
+    assert status is SolverStatus.BEYOND
+    assert not status.converged
+    assert 0 < count < 100
+    assert [at[0] > 0.4 for at in passed] == [False] * (len(passed) - 1) + [True]
+    assert x.tolist() == passed[-2].tolist()
+
+
 @pytest.mark.first(2)
 @pytest.mark.parametrize("iterations", few(8, 3, 15))
 def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int, small: Small):
