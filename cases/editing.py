@@ -100,7 +100,12 @@ def case_of_text(text: str, file: Path) -> "Case":
             return load_case(str(part))
         except CaseError as error:
             problem = str(error).removeprefix(f"{part}: ").replace(str(part), str(file))
-            problems = tuple(each.replace(str(part), str(file)) for each in error.problems)
+            problems = tuple(
+                each.replace(str(part), str(file)) if str(part) in each else each  # which keeps its code
+                for each in error.problems
+            )
+            if len(problems) == 1:
+                problem = problems[0]
             raise CaseError(file=file, problem=problem, problems=problems, code=Code.WRONG_KIND) from error
 
 

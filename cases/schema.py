@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, NoReturn
 import numpy as np
 from pydantic import ModelWrapValidatorHandler, PrivateAttr, field_validator, model_validator
 
-from cases import doubts
+from cases import doubts, numbering
 from cases.acceptance import Acceptance
 from cases.base.atomic import write_text
 from cases.base.errors import CaseError, Code, option, printable
@@ -334,6 +334,8 @@ class Case(Heading):
         """
         motion, chain, frame = None if self.limits is None else self.limits.motion, self.chain, self.sensor_frame
         doubtful = list(doubts.of_geometry(self.hexapod, frame, self.workspace))
+        if self.hexapod is not None:
+            doubtful += numbering.of_numbering(self.hexapod)
         if isinstance(motion, MotionLimits):
             doubtful += doubts.of_motion(motion, self.hexapod)
         elif motion is not None and chain is not None:

@@ -14,8 +14,8 @@ from hexcite.reports.drawing.outline import SAME_PLACE, Labels, Lines, chain_out
 from hexcite.reports.drawing.scene import box_outlines, room
 from identification.motion.motion import Array
 
-WIDTH, HEIGHT, EDGE = 480.0, 380.0, 34.0  # of a drawing, and free at its sides
-LETTER, LINE = 6.5, 11.0  # of its texts: width of a letter, roughly, and height
+WIDTH, HEIGHT, EDGE = 340.0, 270.0, 30.0  # of a drawing, and free at its sides
+LETTER, LINE = 7.7, 13.0  # of its texts: width of a letter, roughly, and height
 _CLASSES = {
     "base": "base",
     "platform": "platform",
@@ -86,7 +86,7 @@ def _drawn(groups: Mapping[str, Sequence[Array]], labels: Labels, near: float, a
     )
     names = ("x", "y", "z")
     words = Markup('<text class="axes" x="{}" y="{}">{} →, {} ↑</text>').format(
-        f"{WIDTH - 70:.0f}", f"{HEIGHT - 10:.0f}", names[axes[0]], names[axes[1]]
+        f"{WIDTH - 84:.0f}", f"{HEIGHT - 10:.0f}", names[axes[0]], names[axes[1]]
     )
     return _svg(WIDTH, HEIGHT, "machine", Markup("").join([*shapes, *texts, bar, words]))
 

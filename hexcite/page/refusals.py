@@ -1,6 +1,6 @@
 """What the page itself refuses: texts by their keys, so that they are in its language, or sentences of the library."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Self
 
 from cases.base.phrases import enumerated
@@ -32,3 +32,16 @@ class Unfit(Refusal):
 
 class Refused(Refusal):
     """A value that cannot be, with the place where it stands."""
+
+
+class RefusedFields(Refused):
+    """All values of a form that cannot be.
+
+    Args:
+        fields: id of a field in the form -> why its value cannot be.
+        others: what is refused at no field.
+    """
+
+    def __init__(self, fields: Mapping[str, Refusal], others: Sequence[Refusal] = ()) -> None:
+        self.fields, self.others = fields, others
+        super().__init__("", sentence="; ".join(map(str, (*fields.values(), *others))))

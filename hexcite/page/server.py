@@ -29,7 +29,7 @@ from hexcite.page.arrivals import WAIT, Runs, TooLarge, left_over, received
 from hexcite.page.forms import field
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.journal import Address, keep_address
-from hexcite.page.refusals import Refusal
+from hexcite.page.refusals import Refusal, RefusedFields
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
 from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine_of
 from hexcite.page.words import Words
@@ -238,15 +238,19 @@ class _Page:
         return HTMLResponse(self._rendered(request, "drawing.html.jinja", **values))
 
     async def _save(self, request: Request, context: Context, fields: Any) -> Response:
+        from markupsafe import Markup
+
         from hexcite.page.actions.machine import given_values, save
 
         saved = await run_in_threadpool(save, context, fields)
         if saved.refused is None:
             sentences = "".join(f"&said={quote(sentence, safe='')}" for sentence in saved.converted[:20])
             return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/machine?saved=1{sentences}", 303)
-        error = context.words.refused(saved.refused)
-        values = given_values(fields)
-        return await self._stage(request, context, "machine", 409, error=error, given=values)
+        refusal, values = saved.refused, given_values(fields)
+        of_fields = (refusal.fields, refusal.others) if isinstance(refusal, RefusedFields) else ({}, (refusal,))
+        refused, others = context.words.refused_fields(of_fields[0]), of_fields[1]
+        error = Markup("; ").join(map(context.words.refused, others))
+        return await self._stage(request, context, "machine", 409, error=error, given=values, refused=refused)
 
     async def space(self, request: Request) -> Response:
         """What draws a machine in 3-D, in an origin of its own; scenes are sent to it."""

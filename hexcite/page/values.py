@@ -8,21 +8,23 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from cases.base.atomic import atomic_file
-from cases.base.errors import HexciteError, Write
+from cases.base.errors import CaseError, HexciteError, Write
+from cases.base.phrases import said
 from cases.base.text_formats import toml_value
 from cases.contradictions import Doubt
 from cases.editing import Place, at, case_of_text, with_values, write_keys
 from cases.schema import Case
 from cases.tables import CASE_FILE, Part, is_needed
 from hexcite.page.keys import choices_of, example_of, is_text, leaves, missing, part_of, typical, words_of
-from hexcite.page.refusals import Refused
+from hexcite.page.refusals import Refusal, Refused, RefusedFields
 from hexcite.page.units import Spelling, noun, spellings
 
 FIXED = frozenset({"schema_version", "name", "template"})  # what a form does not change
 _COMMA = re.compile(r"[+-]?\d+,\d+")  # a decimal sign
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d+)?)([eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -174,23 +176,34 @@ def _owners(part: type[Part] | None) -> tuple[str, ...]:
 
 
 def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)) -> Written:
-    """The text of a case file with other values, comments and order as they are; raises Refused.
+    """The text of a case file with other values, comments and order as they are; raises Refused, where fields cannot
+    be RefusedFields with all of them.
 
     Args:
         fields: `v.NAME` the text of a value, `u.NAME` the name of the spelling that it is in, `on.NAME` any text where
             a key, or all of a table, is to be added with the text `w.NAME`.
     """
-    tables, converted = changed(content, fields)
+    tables, converted, refused = changed(content, fields)
+    if refused:
+        raise RefusedFields(refused)
     try:
         return Written(with_values(file, content, tables), converted)
     except HexciteError as error:
         raise Refused.of(error.sentences) from error
 
 
-def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """The tables of a case file with other values, and what was converted; fields and errors as `edited`."""
+class Changed(NamedTuple):
+    """The tables of a case file with the values of a form that can be."""
+
+    tables: dict[str, Any]
+    converted: tuple[str, ...]  # values that stand there otherwise than they were typed
+    refused: Mapping[str, Refused]  # by their fields; in the tables they are as before
+
+
+def changed(content: str, fields: Mapping[str, str]) -> Changed:
+    """The tables of a case file with other values; fields as of `edited`. Raises Refused for a field of no value."""
     data = tomllib.loads(content)
-    tables, converted = copy.deepcopy(data), _Conversions()
+    tables, converted, refused = copy.deepcopy(data), _Conversions(), dict[str, Refused]()
     there = {named(place): (place, value) for place, value in leaves((), data)}
     on = [name[3:] for name in fields if name.startswith("on.")]
     more = missing(data, None, content) if on else {}
@@ -212,7 +225,11 @@ def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tu
             before = "" if is_text(part, str(place[-1])) else _ANY
         ways = {way.name: way for way in spellings(str(place[-1]), () if part is None else part.model_fields.keys())}
         way = ways.get(fields.get(f"u.{name}", ""), next(iter(ways.values()), None))
-        after = _value(name, text, before)
+        try:
+            after = _value(name, text, before)
+        except Refused as error:
+            refused[field] = error
+            continue
         if way is not None and (way.factor != 1.0 or way.key != place[-1]):
             after = _scaled(after, way.factor)
             converted.append((*place[:-1], way.key), f"= {toml_value(after)} ({text.strip()} {way.unit})")
@@ -220,8 +237,10 @@ def changed(content: str, fields: Mapping[str, str]) -> tuple[dict[str, Any], tu
             place = (*place[:-1], way.key)
         elif kind == "v" and after == before:
             continue
+        elif not isinstance(after, str) and "," in text and toml_value(after) != text.strip():
+            converted.append(place, f"= {toml_value(after)} ({text.strip()})")
         _put(tables, place, after)
-    return tables, converted.lines()
+    return Changed(tables, converted.lines(), refused)
 
 
 class _Conversions:
@@ -297,10 +316,9 @@ def _value(name: str, text: str, before: Any) -> Any:
         if len(text) > 2000 or any(ord(letter) < 32 for letter in text):
             raise Refused("no_line", name=name)
         return text
-    if _COMMA.fullmatch(text):
-        text = text.replace(",", ".")
+    numbers = before is _ANY or (isinstance(before, list) and all(map(_plain, before)))
     try:
-        value = tomllib.loads(f"value = {text}\n")
+        value = tomllib.loads(f"value = {_list(text, before) if numbers else _point(text)}\n")
     except (tomllib.TOMLDecodeError, RecursionError):
         value = {}
     kinds: tuple[type, ...] = (int, float)
@@ -316,12 +334,57 @@ def _value(name: str, text: str, before: Any) -> Any:
     return float(after) if whole and isinstance(after, int) and not isinstance(after, bool) else after
 
 
+def _plain(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _point(text: str) -> str:
+    """A number with a point where it was typed with a comma."""
+    return text.replace(",", ".") if _COMMA.fullmatch(text) else text
+
+
+def _list(text: str, before: Any) -> str:
+    """A list of numbers as people write it, as TOML has it; what can be read in two ways stays, and is refused.
+
+    Semicolons or blanks part numbers that may have decimal commas or points: `0,5; 120; 240`. Commas part numbers where
+    a blank follows each (`0, 120, 240`), and without any blanks where there are three or more, as many as before.
+    """
+    own = text[1:-1].strip() if text[:1] == "[" and text[-1:] == "]" else text
+    if ";" in own:
+        parts = [_point(part.strip()) for part in own.split(";")]
+    elif own != text or (before is _ANY and not re.search(r"\s", own)):
+        return _point(text)
+    elif "," not in own:
+        parts = own.split()
+    else:
+        apart = re.fullmatch(r"[^,]*(,\s+[^,]*)*", own) is not None
+        tight = re.search(r"\s", own) is None and isinstance(before, list) and 2 < len(before) == own.count(",") + 1
+        parts = [part.strip() for part in own.split(",")] if apart or tight else []
+    return f"[{', '.join(parts)}]" if len(parts) > 1 and all(map(_NUMBER.fullmatch, parts)) else text
+
+
 def case_of(content: str, file: Path) -> Case:
     """The case of a text that is not written yet; raises Refused, which names the file that it is for."""
     try:
         return case_of_text(content, Path(file.parent.name, CASE_FILE))
+    except CaseError as error:
+        raise at_fields(content, error) from error
     except HexciteError as error:
         raise Refused.of(error.sentences) from error
+
+
+def at_fields(content: str, error: CaseError) -> RefusedFields:
+    """The problems of a case at the fields that they are about; what is about none has its file before it."""
+    names = {named(place) for place, _ in leaves((), tomllib.loads(content))}
+    fields, others = dict[str, Refusal](), list[Refusal]()
+    for problem, sentence in zip(error.problems or ("",), error.sentences, strict=False):
+        key = re.sub(r"\[(\d+)\]", lambda number: f"[{int(number[1]) - 1}]", problem.partition(": ")[0])
+        name = next((each for each in (key, key.rpartition("[")[0]) if each in names), "")
+        if name and f"v.{name}" not in fields:
+            fields[f"v.{name}"] = Refused("", sentence=said(problem), name=problem.partition(": ")[0])
+        else:
+            others.append(Refused("", sentence=sentence))
+    return RefusedFields(fields, others)
 
 
 def save(file: Path, content: str) -> None:

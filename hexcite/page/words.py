@@ -9,7 +9,7 @@ from markupsafe import Markup, escape
 
 from cases.base.phrases import QUOTED, Phrase
 from cases.schema import NO_TITLE
-from hexcite.page.refusals import Refusal
+from hexcite.page.refusals import Refusal, RefusedFields
 from hexcite.page.values import Entry, Section
 from hexcite.texts import Language, text
 from hexcite.texts import answers as german
@@ -193,7 +193,20 @@ class Words:
 
     def refused(self, refusal: Refusal) -> Markup:
         """What the page refuses."""
+        if isinstance(refusal, RefusedFields):
+            return Markup("; ").join(map(self.refused, (*refusal.fields.values(), *refusal.others)))
         return self.quoted(refusal.sentence) if refusal.sentence else escape(self.say(refusal.key, **refusal.places))
+
+    def refused_fields(self, fields: Mapping[str, Refusal]) -> dict[str, Markup]:
+        """What is refused at each field, by its id, without the field's name before it."""
+        return {field: self._at_field(each) for field, each in fields.items()}
+
+    def _at_field(self, refusal: Refusal) -> Markup:
+        sentence = str(self.refused(refusal))
+        name = str(escape(refusal.places.get("name", "")))
+        for before in (f"<code>{name}</code>: ", f"{name}: "):
+            sentence = sentence.replace(before, "", 1) if name else sentence
+        return Markup(sentence)
 
     def say(self, key: str, **places: object) -> str:
         """A text of the page."""

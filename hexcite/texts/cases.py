@@ -44,6 +44,10 @@ DOUBTS = {
     "not_an_angle": "{angle} Grad ist kein Winkel von Gelenken",
     "nobody_has": "keine solche Steuerung und kein solcher Rekorder hat das",
     "half_the_rate": "die halbe Rate ist die höchste Frequenz, die Abtastungen enthalten",
+    "joints_numbered": "{place}: die Streben sind in der Grundstellung {short} bis {long} mm lang, obwohl die Gelenke "
+    "von Basis und Plattform symmetrisch liegen; Strebe k verbindet Gelenk k der Basis mit Gelenk k der Plattform: mit "
+    "{keys} sind alle {equal} mm lang; das schreiben, wenn die Zeichnung nicht mehrere Längen zeigt",
+    "points_in_order": "den Punkten in der Reihenfolge {numbers}",
     "block_and_cycle": "ein Satz dauert mindestens einen Takt",
     "link_far": "link.centre_of_gravity_mm von {joints}: der von {name} liegt {away} von seinem Gelenk, der nächste "
     "Rahmen {length}, als wäre er von einem anderen aus gezählt; berichtigen, oder link weglassen, dann begrenzt "

@@ -147,7 +147,11 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Zwei Gelenke eines Paars: Der halbe Winkel reicht von der Mitte des Paars zum Gelenk, der ganze von Gelenk "
         "zu Gelenk.",
     ),
-    "converted": ("Converted: {what}", "Umgerechnet: {what}"),
+    "converted": ("In the file: {what}", "In der Datei: {what}"),
+    "refused_fields": (
+        "{count} of the values below cannot be, and nothing was written; why stands at each:",
+        "{count} der Werte unten gehen nicht, und nichts wurde geschrieben; warum, steht bei jedem:",
+    ),
     "more_keys": ("Switch on what is not stated", "Einschalten, was nicht angegeben ist"),
     "switch_all": ("all of these, with the values below", "alle, mit den Werten darunter"),
     "not_stated": ("not stated", "nicht angegeben"),

@@ -26,8 +26,8 @@ TEXTS: dict[str, tuple[str, str]] = {
     "no_such_value": ("{name}: there is no such value", "{name}: diesen Wert gibt es nicht"),
     "no_true_or_false": ("{name}: {text!r} is not true or false", "{name}: {text!r} ist weder true noch false"),
     "no_list": (
-        "{name}: {text!r} is not a list such as [1.0, 2.0]",
-        "{name}: {text!r} ist keine Liste wie [1.0, 2.0]",
+        "{name}: {text!r} is not a list of numbers; write 0, 120, 240, and with decimal commas 0,5; 120,5; 240,5",
+        "{name}: {text!r} ist keine Liste von Zahlen; 0; 120; 240 schreiben, mit Dezimalkommas 0,5; 120,5; 240,5",
     ),
     "no_number": ("{name}: {text!r} is not a number", "{name}: {text!r} ist keine Zahl"),
     "no_number_between": (

@@ -179,6 +179,40 @@ requestAnimationFrame(() => setTimeout(showSpaces, 0));
 
 const form = document.querySelector("form[data-preview]");
 if (form) {
+  const draw = (html) => { // what cannot be drawn leaves the pictures before it, paler
+    const place = document.getElementById("drawing"), before = document.getElementById("live");
+    place.innerHTML = html;
+    if (before && !document.getElementById("live")) {
+      before.classList.add("before");
+      place.prepend(before);
+    }
+    refused = JSON.parse(document.getElementById("refused").textContent || "{}");
+    mark();
+  };
+  let refused = {};
+  const mark = () => { // why a value cannot be, at its field; of the one that is typed once it is left
+    for (const field of form.querySelectorAll("input[id], select[id]")) {
+      const words = refused[field.id], marked = field.hasAttribute("aria-invalid");
+      if (words && !marked && field === document.activeElement && !form.hasAttribute("data-given")) continue;
+      if (!words && !marked) continue;
+      document.getElementById("e." + field.id)?.remove();
+      for (const name of ["aria-invalid", "aria-describedby"]) field.removeAttribute(name);
+      if (!words) continue;
+      field.setAttribute("aria-invalid", "true");
+      field.setAttribute("aria-describedby", "e." + field.id);
+      const said = document.createElement("small");
+      Object.assign(said, { id: "e." + field.id, className: "wrong", innerHTML: words });
+      (field.closest(".value") ?? field).after(said);
+    }
+  };
+  form.addEventListener("focusout", () => setTimeout(mark, 0));
+  const opened = (each) => { // with all that it is folded in
+    for (let at = each?.closest("details"); at; at = at.parentElement.closest("details")) at.open = true;
+  };
+  for (const each of form.querySelectorAll("[aria-invalid]")) opened(each);
+  addEventListener("hashchange", () => opened(document.getElementById(decodeURIComponent(location.hash.slice(1)))));
+  opened(document.getElementById(decodeURIComponent(location.hash.slice(1))));
+  form.querySelector("[aria-invalid]")?.focus();
   let under = false, again = false;
   const preview = async () => { // the newest values, as soon as the answer before is there
     again = under;
@@ -187,7 +221,7 @@ if (form) {
     try {
       const body = new URLSearchParams(new FormData(form));
       const answer = await fetch(form.dataset.preview, { method: "POST", body });
-      if (answer.ok) document.getElementById("drawing").innerHTML = await answer.text();
+      if (answer.ok) draw(await answer.text());
       for (const send of spaces) send(drawnScene());
       lost(false);
     } catch { lost(true); }
@@ -230,6 +264,12 @@ if (form) {
       if (Number.isFinite(value) && document.activeElement !== mover) mover.value = String(value);
       said(mover);
     }
+    const whose = event.target.closest("td, .fields > div")?.querySelector(".mark.example, .mark.typical");
+    if (whose && name.startsWith("v.")) {
+      whose.className = "mark mine";
+      whose.textContent = form.dataset.mine;
+    }
     preview();
   });
+  if (form.hasAttribute("data-given")) preview();
 }

@@ -9,7 +9,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from cases.base.errors import HexciteError
+from cases.base.errors import CaseError, HexciteError
 from cases.base.phrases import enumerated
 from cases.schema import Case
 from cases.tables import tables_of
@@ -42,6 +42,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "sections": others,
         "joint_table": joints,
         "given": {},
+        "refused": {},
         **_lacking(machine, sections),
         "checked": check.answer if check is not None else None,
         "doubts": machine.case.doubts if machine.case is not None else (),
@@ -90,6 +91,7 @@ def drawn(case: Case | None, data: Mapping[str, Any], problem: str = "") -> dict
     """The drawings of a case, or of its chain where the case is not complete yet; or why there are none."""
     chain = chain_in(data) if case is None else case.chain
     values: dict[str, Any] = {"views": None, "scene": "", "near": (), "why": problem, "converted": ()}
+    values |= {"refused_json": "", "typed_doubts": ()}
     try:
         if chain is not None:
             values["views"] = drawing.chain_views(chain)
@@ -107,14 +109,22 @@ def preview(context: Context, fields: Fields) -> dict[str, Any]:
     """The drawings of a case with values that are not written yet."""
     content = context.machine.file.read_text(encoding="utf-8")
     try:
-        data, converted = values.changed(content, given_values(fields))
+        data, converted, refused = values.changed(content, given_values(fields))
     except Refused as error:
         return drawn(None, {}, context.words.refused(error))
+    problem: str = ""
+    said = context.words.refused_fields(refused)
     try:
-        case, problem = tables_of(Case, Path(context.machine.argument), data), ""
+        case = tables_of(Case, Path(context.machine.argument), data)
+    except CaseError as error:
+        case, at_fields = None, values.at_fields(content, error)
+        said = context.words.refused_fields(at_fields.fields) | said
+        problem = Markup("; ").join(map(context.words.refused, at_fields.others))
     except HexciteError as error:
         case, problem = None, enumerated("semicolon", error.sentences)
-    return {**drawn(case, data, problem), "converted": converted}
+    doubts = () if case is None else case.doubts
+    seen = {"converted": converted, "refused_json": Markup(script_json({**said})), "typed_doubts": doubts}
+    return {**drawn(case, data, problem), **seen}
 
 
 def urdf(file: Path) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Values of a case are changed by a form, one by one, and everything else of the file stays."""
 
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -254,3 +255,56 @@ def test_the_simulated_body_that_is_proposed_is_the_nominal_one(root: Path):
     proposed = {entry.name: entry.text for entry in entries}
     assert proposed["simulation.parameters.body.mass_kg"] == "1.25"
     assert proposed["simulation.parameters.body.centre_of_gravity_mm"] == "[1.0, 2.0, 30.0]"
+
+
+CENTRES = "machine.base.ring.pair_centres_deg"
+
+
+@pytest.mark.parametrize(
+    "typed",
+    ["0, 120, 240", "0 120 240", "0; 120; 240", "0,120,240", "[0, 120, 240]", "0,0; 120,0; 240,0", " 0 ,  120 , 240"],
+)
+def test_a_list_is_read_as_people_write_it(file: Path, typed: str):
+    after = tomllib.loads(edited(file.read_text(), {f"v.{CENTRES}": typed}).text)
+    assert after["machine"]["base"]["ring"]["pair_centres_deg"] == [0, 120, 240]
+
+
+@pytest.mark.parametrize(
+    ("name", "typed"),
+    [
+        (CENTRES, "0,5, 120,5"), (CENTRES, "0,5 120,5 240,5"), (CENTRES, "0,5,120,5,240,5"), (CENTRES, "0"),
+        (CENTRES, "0; 1.200,5; 240"), (CENTRES, ""), ("limits.motion.x_mm", "0,80"),
+        ("limits.motion.x_mm", "-80 to 80"),
+    ],
+)  # fmt: skip
+def test_a_list_that_may_be_read_in_two_ways_is_refused_with_the_way_to_write_it(file: Path, name: str, typed: str):
+    with pytest.raises(Refused, match="0,5; 120,5; 240,5"):
+        edited(file.read_text(), {f"v.{name}": typed})
+
+
+def test_all_refused_fields_are_marked_with_their_reason_and_led_to(client: TestClient, file: Path):
+    wrong = {RADIUS: "wide", CENTRES: "0, hundred"}
+    whole = client.post("/m/+mill/do/save", data=form(file, **wrong, **{"machine.home.z_mm": "950"}))
+    impossible = client.post("/m/+mill/do/save", data=form(file, **{RADIUS: "-5", CENTRES: "0, 120"}))
+    for answer in (whole, impossible):
+        assert answer.status_code == 409
+        for name in wrong:
+            field = re.search(rf'<input id="v\.{re.escape(name)}"[^>]*>', answer.text)
+            assert field is not None
+            assert 'aria-invalid="true"' in field[0]
+            assert f'aria-describedby="e.v.{name}"' in field[0]
+            assert f'id="e.v.{name}"' in answer.text
+            assert f'href="#v.{name}"' in answer.text
+        assert answer.text.count('aria-invalid="true"') == 2
+        assert answer.text.count("<svg") >= 2  # the drawings stay
+    assert tomllib.loads(file.read_text())["machine"]["home"]["z_mm"] != 950.0  # all or nothing
+
+
+def test_a_preview_says_what_is_refused_and_draws_the_rest(client: TestClient, file: Path):
+    typed = form(file, **{RADIUS: "wide", "machine.home.z_mm": "950"})
+    answer = client.post("/m/+mill/do/preview", data=typed).text
+    refused = re.search(r'<script type="application/json" id="refused">(.*?)</script>', answer)
+    assert refused is not None
+    assert set(json.loads(refused[1])) == {f"v.{RADIUS}"}
+    assert answer.count("<svg") == 2
+    assert "1038.91" not in answer  # home is that which was typed
