@@ -92,20 +92,18 @@ def _plan(plan: Any) -> "Figure":
 
 
 def _recording(recording: Any) -> list[Chart]:
-    """What moved, as far as it has the clock of the forces, and what was measured; of standstills over their number."""
+    """What moved, by its own clock, and what was measured; of standstills over their number."""
     case: Case | None = recording.case
     moving = recording.t is not None
     t = recording.t if moving else np.arange(1.0, len(recording.forces) + 1.0)
     x, charts = Axis("time [s]" if moving else "standstill"), []
-    if recording.drives is not None:
-        columns = (
-            case.drive_columns
-            if case is not None
-            else tuple(f"drive {k + 1}" for k in range(recording.drives.shape[1]))
-        )
+    motion = recording.motion
+    if motion is not None and motion.drives is not None:
+        drives, at = motion.drives[~motion.bad], (motion.t if moving else t)[~motion.bad]
+        columns = case.drive_columns if case is not None else tuple(f"drive {k + 1}" for k in range(drives.shape[1]))
         units = np.array([DEG if column.endswith("_deg") else MM for column in columns])
         titles = dict.fromkeys("[deg]" if unit == DEG else "[mm]" for unit in units)
-        series = lines(t, recording.drives / units, columns, dots=not moving)
+        series = lines(at, drives / units, columns, dots=not moving)
         charts.append(Chart("drives", "What moved the sensors.", series, x, Axis(f"position {', '.join(titles)}")))
     channels = case.sensor_frame.channels if case is not None else tuple(f"channel {k}" for k in range(1, 7))
     title = f"force [{unit_of(channels)}]" if case is not None else "force [N, or N and N m]"

@@ -199,6 +199,21 @@ class Recording(Stream):
         """How many samples were lost between each row and the next, shape (n - 1,)."""
         return lost_samples(self.t)
 
+    @property
+    def motion(self) -> Stream | None:
+        """What moved, by its own clock: `.t` with `.drives`, `.poses` or `.rotations`; None where nothing did.
+
+        This recording itself where one clock has all, else the one of `others` that has it: `drives` of a recording are
+        None where drives and forces are not sampled together, as in bags of ROS.
+
+        >>> run = hx.Recording.load("empty")
+        >>> run.motion.drives.shape == run.drives.shape
+        True
+        """
+        channels: tuple[Channel, ...] = ("drives", "poses", "rotations")
+        streams = (stream for channel in channels if (stream := self.stream_with(channel)) is not None)
+        return next(streams, None)
+
     def stream_with(self, channel: Channel) -> Stream | None:
         """The stream that has a channel; None where the run has no such channel."""
         return next((s for s in (self, *self.others) if channel in s.channels), None)

@@ -141,6 +141,10 @@ def test_both_clocks_run_evenly_and_lost_messages_are_missing(tmp_path: Path) ->
     assert np.diff(recording.t) == pytest.approx(1e-3, abs=1e-6)
     assert np.diff(joints.t) == pytest.approx(4e-3, abs=1e-5)
     assert 20 < joints.missing.sum() < 60
+    assert recording.drives is None
+    assert recording.motion is joints  # with its own times
+    drawn = [axes.get_xlim() for axes in hx.plot(recording).axes]
+    assert drawn[0] == pytest.approx((joints.t[0], joints.t[-1]), abs=0.5)
     there = ~joints.missing
     assert there[0]
     np.testing.assert_allclose(joints.drives[there], swing(0.004 * np.arange(len(there)))[0][there], atol=1e-12)
