@@ -57,6 +57,8 @@ def fingerprint(content: object) -> str:
 
 NO_TITLE = "what it is, in a line"
 """The title of a new case, until its owner writes one."""
+TITLE = "title"
+"""Code of what a machine is called."""
 
 
 class Heading(Part):
@@ -75,6 +77,11 @@ class Heading(Part):
     def heading(self) -> str:
         """What its pages are called: its title; its name where the title is still that of a new case."""
         return self.name if self.title == NO_TITLE else self.title
+
+    @property
+    def heading_phrase(self) -> Phrase:
+        """The same as a phrase, which knows the machine's name."""
+        return phrase(TITLE, "{title}", title=self.heading, name=self.name)
 
 
 class Case(Heading):

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.base.errors import CaseError, Code
-from cases.base.phrases import phrase
+from cases.base.phrases import Phrase, phrase
 from cases.base.units import DEG, MM, Array
 from cases.machine import Frame, Joints, require_flange, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
@@ -387,6 +387,8 @@ class Payloads(Part):
     """Weights in order of mounting; centres of gravity in {P}."""
 
 
-def payload_words(count: int) -> str:
+def payload_words(count: int) -> Phrase:
     """How many payloads are mounted, in words."""
-    return f"{count} payload{'' if count == 1 else 's'}"
+    if count == 1:
+        return phrase("one_payload", "1 payload")
+    return phrase("payloads", "{count} payloads", count=count)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Literal
 
-from cases.base.errors import Remedy, printable
-from cases.base.phrases import Phrase
+from cases.base.errors import AT_PLACE, Remedy, printable
+from cases.base.phrases import Phrase, again
 from cases.base.units import as_html
 
 
@@ -73,6 +73,13 @@ class Finding:
         """Whether values may be further off than their deviations say: not by what was left out, or is counted."""
         return self.severity == "warning" and not self.counted and self.kind not in ABOUT_THE_RUN
 
+    @property
+    def coded_sentence(self) -> Phrase:
+        """The sentence with its code, where it has one."""
+        if self.phrase is None or not self.place:
+            return again(self.sentence, self.phrase)
+        return again(self.sentence, {"code": AT_PLACE, "values": {"place": self.place, "problem": dict(self.phrase)}})
+
     def __str__(self) -> str:
         return self.sentence
 
@@ -98,4 +105,4 @@ def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
 
 def sentences(findings: Iterable[Finding], severity: Severity) -> tuple[str, ...]:
     """Sentences for people, of one severity."""
-    return tuple(f.sentence for f in findings if f.severity == severity and f.sentence)
+    return tuple(f.coded_sentence for f in findings if f.severity == severity and f.sentence)

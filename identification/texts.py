@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
-from cases.base.phrases import Phrase, phrase
+from cases.base.phrases import Phrase, phrase, said
 
 if TYPE_CHECKING:
     from identification.estimation.fit import Value
@@ -74,6 +74,21 @@ def begun(text: str) -> str:
     return text if _NAME.match(text) else text[:1].upper() + text[1:]
 
 
+SENTENCES = "sentences"
+"""Code of texts that are sentences behind each other."""
+
+
+def as_sentences(*parts: str) -> Phrase:
+    """Texts as sentences behind each other, each with a large letter and a full stop.
+
+    >>> as_sentences("half of all runs show it", "nothing else does")
+    'Half of all runs show it. Nothing else does.'
+    """
+    result = Phrase(" ".join(f"{begun(part).removesuffix('.')}." for part in parts))
+    result.code, result.values = SENTENCES, {"parts": [said(part) for part in parts]}
+    return result
+
+
 def number(value: float, std: float | None, digits: int) -> str:
     """A value with its standard deviation; where that is not known, with so many digits."""
     return f"{value:.{digits}g}" if std is None else with_deviation(value, std)
@@ -109,7 +124,10 @@ def use_text(check: "LimitCheck", decimals: int = 2, unit: str = "") -> str:
     room = check.room
     if room is None or not isfinite(room):
         return share_text(check.ratio, decimals)
-    return f"{abs(room):.3g} {f'{unit} ' if unit else ''}{'left' if check.kept or room >= 0.0 else 'beyond'}"
+    size = f"{abs(room):.3g}{f' {unit}' if unit else ''}"
+    if check.kept or room >= 0.0:
+        return phrase("room_left", "{size} left", size=size)
+    return phrase("room_beyond", "{size} beyond", size=size)
 
 
 def carries_rods(names: Collection[str]) -> bool:
@@ -134,6 +152,8 @@ PARAMETER = "parameter"
 """Code of a parameter in words."""
 CAUSE = "cause_of_deviations"
 """Code of a kind of cause, which is its value."""
+CHECK = "check"
+"""Code of what is judged, whose values are its own code and its channel or parameter."""
 
 
 def parameter_phrase(name: str) -> Phrase:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, NoReturn
 
 from cases.base.errors import Code, HexciteError, choice, option
 from cases.base.options import default_of
-from cases.base.phrases import phrase
+from cases.base.phrases import Phrase, phrase
 from cases.sensors import payload_words
 from identification.estimation.criteria import Criterion
 from identification.texts import legible
@@ -159,10 +159,11 @@ class Request:
         return range(self.payload if self.payload_from is None else self.payload_from, self.payload + 1)
 
     @property
-    def mounted(self) -> str:
+    def mounted(self) -> Phrase:
         """The mounted payloads in words."""
-        first = "" if len(self.payloads) == 1 else f"{self.payloads[0]} to "
-        return first + payload_words(self.payload)
+        most = payload_words(self.payload)
+        least = self.payloads[0]
+        return most if least == self.payload else phrase("to_payloads", "{least} to {most}", least=least, most=most)
 
     @property
     def name(self) -> str:

@@ -261,7 +261,7 @@ def _remedy(planned: list[Trial], longest: float, request: Request, best: Plan |
     promise = None if best is None else best.promise if best.gain is None else best.gain.after
     if best and promise and any(promise.least.get(name, 0.0) > at for name, at in request.target.items()):
         parameters = physical_form(identification_model(best.case, best.model)).parameters
-        words = promise.lasting_words(parameters, request.target, "more seconds lower")
+        words = promise.lasting_words(parameters, request.target, phrase("more_seconds", "more seconds lower"))
         return f"{words}: ask for larger deviations, or lower these tolerances, as by a known weight"
     last = sorted(planned, key=lambda trial: trial.duration)[-2:]
     if len(last) == 2 and _power(last[0], last[1], lambda trial: trial.excess) > -0.25:

@@ -35,6 +35,7 @@ from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine
 from hexcite.page.words import Words
 from hexcite.texts import LANGUAGES, Language, language_of, text
 
+MOST_REPORT = 2**26  # bytes of a report that is translated: ours have 2 MB
 STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
 POLITE = 0.02  # [s] between looks at whether a page is being answered
 UNASKED = 3.0  # [s] without a page being asked for, after which stages are prepared
@@ -375,14 +376,23 @@ class _Page:
 
     async def report(self, request: Request) -> Response:
         """The report of a plan or result, in an origin of its own."""
-        return await self._shown(inside(self.root, request.path_params["folder"], "report.html"), "text/html", REPORT)
+        return await self._framed(request, inside(self.root, request.path_params["folder"], "report.html"))
 
     async def sheet(self, request: Request) -> Response:
         """A page that a command wrote beside its table, in an origin of its own."""
         path = inside(self.root, request.path_params["name"])
         if path.suffix != ".html":
             raise HTTPException(404)
-        return await self._shown(path, "text/html", REPORT)
+        return await self._framed(request, path)
+
+    async def _framed(self, request: Request, path: Path) -> Response:
+        """A page that a command wrote, in the language of this one."""
+        if self._language(request) == "en" or not path.is_file() or path.stat().st_size > MOST_REPORT:
+            return await self._shown(path, "text/html", REPORT)
+        from hexcite.reports.translated import in_german
+
+        page = await run_in_threadpool(lambda: in_german(path.read_text(encoding="utf-8")))
+        return HTMLResponse(page, headers={"content-security-policy": REPORT})
 
     async def picture(self, request: Request) -> Response:
         """A picture that a command drew."""

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from cases.base.phrases import phrase
 from hexcite.reports.drawing.chart import Axis, Chart, Line, Points, colour
 from hexcite.reports.page import Head, page, section, table
 from identification.results.history import DAY, History
-from identification.texts import legible, parameter_words, with_deviation
+from identification.texts import as_sentences, legible, parameter_phrase, with_deviation
 
 
 def history_charts(of: History) -> list[Chart]:
@@ -18,15 +19,16 @@ def history_charts(of: History) -> list[Chart]:
         scale, unit = legible(values[0].unit)
         at = np.array([value.value * scale for value in values])
         bars = np.array([value.reported * scale for value in values])
-        words = tuple(
+        texts = tuple(
             f"{entry.when:%Y-%m-%d %H:%M} {entry.result.record.recording}: {with_deviation(float(v), float(b))} {unit}"
             for entry, v, b in zip(of.entries, at, bars, strict=True)
         )
         series = (
             Line(days, at, "", colour(k), 0.8, "dot", in_legend=False),
-            Points(days, at, name, colour(k), words, bar=bars, in_legend=False),
+            Points(days, at, name, colour(k), texts, bar=bars, in_legend=False),
         )
-        caption = f"{parameter_words(name)[:1].upper()}{parameter_words(name)[1:]} over time, with its deviation."
+        words = "{parameter} over time, with its deviation"
+        caption = as_sentences(phrase("over_time", words, parameter=parameter_phrase(name)))
         charts.append(Chart(f"history_{name}", caption, series, axis, Axis(f"{name} [{unit}]"), half=True))
     return charts
 
@@ -35,15 +37,22 @@ def history_page(of: History) -> str:
     """The page of a history."""
     head, *rows = of.rows()
     first, last = of.entries[0].when, of.entries[-1].when
-    sentences = of.findings or ("Nothing leaps or drifts beyond its deviation.",)
+    sound = phrase("nothing_leaps", "Nothing leaps or drifts beyond its deviation")
+    first_sentence, *others = of.findings or (sound,)
     return page(
         "History",
-        Head(f"{sentences[0][0].upper()}{sentences[0][1:]}", not of.findings, of.case, ()),
-        f"{of.words.capitalize()} of {of.case} from {first:%Y-%m-%d %H:%M} to {last:%Y-%m-%d %H:%M}. A leap is a "
-        "change between two results that follow each other, with the same payload, beyond what their own noise and "
-        "the tolerances allow.",
+        Head(as_sentences(first_sentence), not of.findings, of.case, ()),
+        phrase(
+            "history_of",
+            "{results} of {machine} from {first} to {last}. A leap is a change between two results that follow each "
+            "other, with the same payload, beyond what their own noise and the tolerances allow.",
+            results=of.words,
+            machine=of.case,
+            first=f"{first:%Y-%m-%d %H:%M}",
+            last=f"{last:%Y-%m-%d %H:%M}",
+        ),
         [("case", of.case), *(("left out", reason) for reason in of.left_out)],
-        of.findings,
+        others,
         section("Results", table(head, rows, 2)),
         section("Over time", *history_charts(of)),
     )

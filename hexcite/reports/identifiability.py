@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cases.base.phrases import Phrase, phrase
 from hexcite.reports.drawing.chart import Axis, Chart, Heat
 from hexcite.reports.page import Block, note, table
 from identification.results.identifiability import Identifiability
@@ -17,8 +18,12 @@ def identifiability_charts(value: Identifiability) -> tuple[Chart, ...]:
     return (
         Chart(
             "columns",
-            f"Magnitude of the Pearson correlation of the columns of the regressor, model {value.model}: near 1 two "
-            "parameters make nearly the same forces.",
+            phrase(
+                "columns_alike",
+                "Magnitude of the Pearson correlation of the columns of the regressor, model {model}: near 1 two "
+                "parameters make nearly the same forces.",
+                model=value.model,
+            ),
             (Heat(np.abs(value.correlation)),),
             across,
             down,
@@ -27,9 +32,13 @@ def identifiability_charts(value: Identifiability) -> tuple[Chart, ...]:
         ),
         Chart(
             "qr",
-            "Magnitude of R of the QR decomposition of the scaled regressor. A diagonal element of numerical zero "
-            f"({value.zero:.1g}): the parameters before it make the same forces. A large value above the diagonal: "
-            "the parameter of the column depends on that of the row.",
+            phrase(
+                "r_of_regressor",
+                "Magnitude of R of the QR decomposition of the scaled regressor. A diagonal element of numerical zero "
+                "({zero}): the parameters before it make the same forces. A large value above the diagonal: "
+                "the parameter of the column depends on that of the row.",
+                zero=f"{value.zero:.1g}",
+            ),
             (Heat(np.minimum(np.abs(value.r), 1.0)),),
             across,
             down,
@@ -43,14 +52,14 @@ def identifiability_blocks(models: Sequence[Identifiability], number: int) -> tu
     """What each model could tell apart, and the figures of the one that is used."""
     rows = [
         (
-            f"{m.model}{' (this one)' if m.model == number else ''}",
+            phrase("this_model", "{model} (this one)", model=m.model) if m.model == number else str(m.model),
             "yes" if m.determined else "NO",
-            f"{m.rank} of {len(m.names)}",
+            phrase("rank_of", "{rank} of {count}", rank=m.rank, count=len(m.names)),
             f"{m.condition:.3g}" if m.determined else "-",
         )
         for m in models
     ]
-    sentences: dict[str, list[str]] = {}
+    sentences: dict[Phrase, list[str]] = {}
     for m in models:
         for sentence in m.sentences:
             sentences.setdefault(sentence, []).append(str(m.model))
@@ -58,7 +67,11 @@ def identifiability_blocks(models: Sequence[Identifiability], number: int) -> tu
     return (
         table(("model", "works", "rank", "condition"), rows, left=2),
         *(
-            note(f"Model{'s' * (len(numbers) > 1)} {', '.join(numbers)}: {sentence}.")
+            note(
+                phrase("of_models", "Models {numbers}: {sentence}.", numbers=", ".join(numbers), sentence=sentence)
+                if len(numbers) > 1
+                else phrase("of_model", "Model {number}: {sentence}.", number=numbers[0], sentence=sentence)
+            )
             for sentence, numbers in sentences.items()
         ),
         note(

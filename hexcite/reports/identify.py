@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from cases.base.phrases import Phrase, enumerated, phrase, said
 from cases.base.units import Array
 from cases.schema import Case
 from hexcite._identifiability import identifiability_of_models
@@ -19,7 +20,7 @@ from hexcite.reports.drawing.chart import Axis, Chart, Heat, Rule, lines
 from hexcite.reports.drawing.densities import density_charts, normal_chart
 from hexcite.reports.drawing.figures import unit_of
 from hexcite.reports.identifiability import identifiability_blocks
-from hexcite.reports.page import Block, Head, note, page, section, table, tiles
+from hexcite.reports.page import SOUND, Block, Head, note, page, section, table, tiles
 from identification.findings.noise_level import noise_of_channels, stated_noise
 from identification.model_choice import figures_of, table_3
 from identification.options import FrameName
@@ -28,7 +29,16 @@ from identification.results.result import Result
 from identification.results.result_rows import physical_rows, pooled_rows, scatter_rows, treatment_rows
 from identification.results.verdicts import accept
 from identification.signals import Residuals
-from identification.texts import begun, budget_cells, carries_rods, legible, value_cells, value_text, with_deviation
+from identification.texts import (
+    CAUSE,
+    as_sentences,
+    budget_cells,
+    carries_rods,
+    legible,
+    value_cells,
+    value_text,
+    with_deviation,
+)
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "U (k = 2)", "unit", "95 % from", "to", "std (28)", "std robust")
 
@@ -36,7 +46,9 @@ PARAMETER_COLUMNS = ("parameter", "value", "±", "U (k = 2)", "unit", "95 % from
 def identify_page(result: Result) -> str:
     """The page of a result; residuals are shown where it was not loaded from a folder."""
     case, record, residuals = result.case, result.record, result.residuals
-    samples = "averaged standstills" if record.delay_s is None else "samples"
+    samples = phrase("so_many_samples", "{count} samples", count=record.samples)
+    if record.delay_s is None:
+        samples = phrase("so_many_averaged", "{count} averaged standstills", count=record.samples)
     source = record.recording
     run = record.run
     origin = run_inputs(run) if run else (("origin", "recorded on a machine: nothing says that it was simulated"),)
@@ -46,14 +58,21 @@ def identify_page(result: Result) -> str:
     if case.accept is not None:
         verdict = accept(result)
         columns, *rows = verdict.rows()
-        unjudged = (note(f"Not judged: {'; '.join(verdict.unjudged)}."),) if verdict.unjudged else ()
-        sections.append(section(f"Verdict: {verdict.word}", table(columns, rows, left=2), *unjudged))
+        unjudged: tuple[Markup, ...] = ()
+        if verdict.unjudged:
+            reasons = phrase(
+                "not_judged_are", "not judged: {reasons}", reasons=enumerated("semicolon", verdict.unjudged)
+            )
+            unjudged = (note(as_sentences(reasons)),)
+        title = phrase("verdict_is", "Verdict: {verdict}", verdict=said(verdict.word))
+        sections.append(section(title, table(columns, rows, left=2), *unjudged))
     sections.append(section("Parameters with standard deviations", _headline(result), *parameter_blocks(result)))
     if in_frames := frame_blocks(result):
         sections.append(section("The load at the robot's flange", *in_frames))
     if record.treatment is not None:
         (columns, *rows), words = treatment_rows(record.treatment), record.treatment["words"]
-        text = f"Evaluated: {words}. Differences are shares of the default's deviations."
+        text = "Evaluated: {words}. Differences are shares of the default's deviations."
+        text = phrase("evaluated_as", text, words=said(words))
         sections.append(section("Treatment of the data beside the default", note(text), table(columns, rows)))
     if columns_and_rows := physical_rows(result.parameters, record.physical):
         columns, *rows = columns_and_rows
@@ -76,11 +95,17 @@ def identify_page(result: Result) -> str:
         blocks_of_models = identifiability_blocks(identifiability_of_models(result), record.model)
         sections.append(section("Which parameters can be told apart", *blocks_of_models))
     return page(
-        f"Identification: {case.heading}",
+        phrase("page_of_result", "Identification: {machine}", machine=case.heading_phrase),
         identified_head(result),
-        f"Model {record.model} identified from {record.samples} {samples} of {source}.",
+        phrase(
+            "identified_from",
+            "Model {model} identified from {samples} of {source}.",
+            model=record.model,
+            samples=samples,
+            source=source,
+        ),
         (("case", f"{case.name} (hash {case.hash})"), ("recording", source), *origin),
-        result.warnings,
+        result.warnings[1:],
         *sections,
     )
 
@@ -96,13 +121,16 @@ def identified_head(result: Result) -> Head:
     """What the page of a result begins with."""
     parameters, warnings = result.parameters, result.warnings
     mass = parameters.get("m")
-    value = "" if mass is None else f"Mass {with_deviation(mass.value, mass.reported)} kg. "
-    first = f"{warnings[0][0].upper()}{warnings[0][1:]}." if warnings else "Nothing speaks against this run."
-    more = f" {len(warnings) - 1} more below." if len(warnings) > 1 else ""
+    parts: list[str] = []
+    if mass is not None:
+        parts.append(phrase("mass_is", "mass {value} kg", value=with_deviation(mass.value, mass.reported)))
+    parts.append(warnings[0] if warnings else SOUND)
+    if len(warnings) > 1:
+        parts.append(phrase("more_below", "{count} more below", count=len(warnings) - 1))
     facts = [("recording", str(result.record.recording))]
     if result.record.run is not None and (program := result.record.run.program) is not None:
         facts.append(("program", str(program)))
-    return Head(f"{value}{first}{more}", not warnings, result.case.name, tuple(facts))
+    return Head(as_sentences(*parts), not warnings, result.case.name, tuple(facts))
 
 
 def _headline(result: Result) -> Markup:
@@ -114,7 +142,10 @@ def _headline(result: Result) -> Markup:
         if name in parameters  # a frame that does not move determines offsets alone
     ]
     condition, rank = result.record.condition, result.record.rank
-    figures += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
+    figures += [
+        noise_tile(result),
+        (f"{condition:.3g}", phrase("condition_and_rank", "condition of the scaled regressor, rank {rank}", rank=rank)),
+    ]
     return tiles(*figures)
 
 
@@ -155,11 +186,18 @@ def noise_tile(result: Result) -> tuple[str, str]:
     """Value of s0 and its meaning; white noise does not contain what a filter removes from the recorded forces."""
     record = result.record
     if record.weights != "equal":
-        recorded = f"white noise {record.white_noise:.3g}, recorded forces less the model {record.s0_N:.3g} N rms"
-        return (f"{record.s0:.3g}", f"s0 (27), 1 where the weights are right ({recorded})")
-    band = "" if record.delay_s is None else " by the filter's pass band"
-    noise = f"white noise{band} {record.white_noise:.3g} N"
-    return (f"{record.s0:.3g} N", f"s0 (27), recorded forces less the model ({noise})")
+        words = phrase(
+            "s0_weighted",
+            "s0 (27), 1 where the weights are right (white noise {noise}, recorded forces less the model {rest} N rms)",
+            noise=f"{record.white_noise:.3g}",
+            rest=f"{record.s0_N:.3g}",
+        )
+        return f"{record.s0:.3g}", words
+    noise = phrase("noise_standing", "white noise {noise} N", noise=f"{record.white_noise:.3g}")
+    if record.delay_s is not None:
+        by_band = "white noise by the filter's pass band {noise} N"
+        noise = phrase("noise_moving", by_band, noise=f"{record.white_noise:.3g}")
+    return f"{record.s0:.3g} N", phrase("s0_newtons", "s0 (27), recorded forces less the model ({noise})", noise=noise)
 
 
 def parameter_blocks(result: Result) -> tuple[Block, ...]:
@@ -172,13 +210,18 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
         words, value, widest, expanded, *stds, _ = value_cells(name, p, rods)
         rows.append((words, value, widest, expanded, unit, *ends, *stds))
     delay = delay_words(result)
-    sentence = f" They count no tolerances of {', '.join(result.not_counted)}; see [tolerances]."
-    missing = sentence if result.not_counted else ""
+    larger = "± is the larger of std (28), which takes the noise as white, and std robust, which does not"
+    counted = [phrase("larger_of_both", larger)]
+    if result.not_counted:
+        kinds = enumerated("comma", [phrase(CAUSE, kind, name=kind) for kind in result.not_counted])
+        counted.append(
+            phrase("none_counted", "they count no tolerances of {kinds}: see [tolerances] of the case", kinds=kinds)
+        )
     return (
         table(PARAMETER_COLUMNS, rows),
-        note(f"± is the larger of std (28), which takes the noise as white, and std robust, which does not.{missing}"),
+        note(as_sentences(*counted)),
         *_budget(result),
-        *map(note, [*([] if delay is None else [delay]), *map(begun, result.notes)]),
+        *map(note, [*([] if delay is None else [delay]), *map(as_sentences, result.notes)]),
     )
 
 
@@ -192,7 +235,8 @@ def frame_blocks(result: Result) -> tuple[Block, ...]:
     for frame in frames:
         body = result.in_frame(frame)
         rows = [(*value_cells(name, value)[:4], legible(value.unit)[1]) for name, value in body.parameters.items()]
-        blocks.append(note(f"About and along the axes of {body.place.words}:"))
+        about = "About and along the axes of {frame}:"
+        blocks.append(note(phrase("about_axes_of", about, frame=said(body.place.words))))
         blocks.append(table(("parameter", "value", "±", "U (k = 2)", "unit"), rows))
     return tuple(blocks)
 
@@ -204,24 +248,27 @@ def _budget(result: Result) -> tuple[Block, ...]:
     return (table(head, rows), note(about)) if rows else ()
 
 
-def delay_words(result: Result) -> str | None:
+def delay_words(result: Result) -> Phrase | None:
     """Delay of the forces behind the motion, in words; None where it was not estimated."""
     delay = result.record.delay_s
     if delay is None:
         return None
     lag, std = delay.value * 1e3, delay.std * 1e3
-    return f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
+    later = "Forces lag the motion by {lag} ± {std} ms: estimated with the parameters."
+    return phrase("forces_lag", later, lag=f"{lag:.3f}", std=f"{std:.3f}")
 
 
 def residual_charts(case: Case, residuals: Residuals) -> list[Chart]:
     """Forces, residuals over time and their spectrum."""
     channels = case.sensor_frame.channels
     at, unit = "time [s]" if residuals.step is not None else "standstill", unit_of(channels)
-    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    source = "Lines: recorded, behind the evaluation's low-pass. Dotted: the identified model."
+    if residuals.filtered is None:
+        source = "Lines: recorded. Dotted: the identified model."
     standing = residuals.step is None  # a few points, not a line
     forces = Chart(
         "forces",
-        f"Lines: {source}. Dotted: the identified model.",
+        source,
         lines(residuals.t, residuals.explained, channels, 1.0, dots=standing)
         + lines(residuals.t, residuals.predicted, channels, 2.0, "dot", dots=standing),
         Axis(at),
@@ -250,7 +297,7 @@ def acceleration_blocks(result: Result) -> tuple[Block, ...]:
     if estimate is None or measured is None:
         return ()
     planned = None if estimate.planned is None else planned_accelerations(result.case, *estimate.planned)
-    words = () if planned is None else (note(f"{summary(measured, planned)}."),)
+    words = () if planned is None else (note(as_sentences(summary(measured, planned))),)
     return (*acceleration_charts(measured, planned), *words)
 
 
@@ -305,9 +352,12 @@ def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float 
     frequency, density = residuals.spectrum()
     caption = "Of the forces as recorded."
     if cutoff is not None:
-        caption += (
-            f" Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as ripple of a controller, the "
-            "estimate does not see."
+        caption = phrase(
+            "spectrum_filtered",
+            "Of the forces as recorded. Dashed: the evaluation's low-pass at {cutoff} Hz; what lies above it, as "
+            "ripple of "
+            "a controller, the estimate does not see.",
+            cutoff=f"{cutoff:g}",
         )
     return Chart(
         "spectrum",

@@ -2,7 +2,8 @@
 
 Every function here returns HTML in which texts are escaped; plotly, compressed, the figures' data and the script are
 part of the file. Each figure is there twice: as a picture, for print and until the script has drawn it, and as data.
-Words of the field are explained where they stand.
+Words of the field are explained where they stand. Elements that hold a text of ours and nothing else are marked by
+`data-said`, with the code and values of the text where it has some: `translated` makes another language of them.
 """
 
 import base64
@@ -10,7 +11,7 @@ import gzip
 import html
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime
 from functools import cache
 from importlib import resources
@@ -21,8 +22,10 @@ from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
 from cases.base.errors import legible
-from hexcite.reports.drawing.chart import Chart
+from cases.base.phrases import phrase
+from hexcite.reports.drawing.chart import Chart, Line, Points
 from hexcite.reports.drawing.interactive import plotly_figure
+from hexcite.reports.drawing.marks import has_code, mark
 from hexcite.reports.drawing.scene import Scene
 
 TERMS = {
@@ -37,7 +40,6 @@ TERMS = {
     "rms": "root of the mean square",
 }
 """Terms that a page explains where they stand."""
-_TERM = re.compile("|".join(rf"(?<![\w-]){re.escape(term)}(?!\w)" for term in sorted(TERMS, key=len, reverse=True)))
 
 
 def script_json(value: Any) -> Markup:
@@ -89,8 +91,16 @@ def _figure(chart: Chart) -> Markup:
     plot = _plot(f"plot-{chart.name}", chart.caption, chart.height, picture(chart))
     script = Markup('<script type="application/json" data-plot="{}">{}</script>')
     data = script.format(chart.name, script_json(plain(plotly_figure(chart))))
-    caption = Markup("<figcaption>{}</figcaption>").format(explained(chart.caption))
-    return Markup("<figure{}>\n{}\n{}\n{}\n</figure>").format(kind, plot, data, caption)
+    caption = Markup("<figcaption{}>{}</figcaption>").format(mark(chart.caption), explained(chart.caption))
+    texts = Markup(' data-phrases="{}"').format(json.dumps(phrases)) if (phrases := _phrases(chart)) else ""
+    return Markup("<figure{}{}>\n{}\n{}\n{}\n</figure>").format(kind, texts, plot, data, caption)
+
+
+def _phrases(chart: Chart) -> dict[str, Any]:
+    """Texts of a figure that have a code, each with the entries of its phrase."""
+    series = (each.name for each in chart.series if isinstance(each, Line | Points))
+    texts = (chart.caption, chart.x.title, chart.y.title, *chart.x.names, *chart.y.names, *series)
+    return {str(text): text.to_json() for text in texts if has_code(text)}
 
 
 def _plot(name: str, words: str, height: int, still: str) -> Markup:
@@ -107,25 +117,27 @@ def _joined(parts: Iterable[Block]) -> Markup:
 
 def tiles(*figures: tuple[str, str]) -> Markup:
     """The figures that matter, side by side: each a value with its unit, and what it means in a line."""
-    each = (Markup("<div><b>{}</b><span>{}</span></div>").format(value, explained(text)) for value, text in figures)
+    tile = Markup("<div><b>{}</b><span{}>{}</span></div>")
+    each = (tile.format(value, mark(text), explained(text)) for value, text in figures)
     return Markup('<div class="tiles">\n{}\n</div>').format(_joined(each))
 
 
 def note(text: str) -> Markup:
     """A paragraph."""
-    return Markup('<p class="note">{}</p>').format(explained(text))
+    return Markup('<p class="note"{}>{}</p>').format(mark(text), explained(text))
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) -> Markup:
     """A table; the first `left` columns hold words, the others numbers."""
 
-    def row(texts: Sequence[str | Markup], cell: str) -> Markup:
+    def row(texts: Sequence[str], cell: str, shown: Callable[[str], str]) -> Markup:
         kinds = (Markup(' class="word"') if k < left else "" for k in range(len(texts)))
-        cells = (Markup(cell).format(kind, text) for kind, text in zip(kinds, texts, strict=True))
+        marks = (mark(text) if _LETTERS.search(text) else "" for text in texts)
+        cells = (Markup(cell).format(*each, shown(text)) for *each, text in zip(kinds, marks, texts, strict=True))
         return Markup("<tr>{}</tr>").format(Markup("").join(cells))
 
-    head = row([explained(column) for column in columns], '<th scope="col"{}>{}</th>')
-    body = (row([_unit(cell) for cell in each], "<td{}>{}</td>") for each in rows)
+    head = row(columns, '<th scope="col"{}{}>{}</th>', explained)
+    body = (row(each, "<td{}{}>{}</td>", _unit) for each in rows)
     text = """<div class="scroll" tabindex="0" role="region" aria-label="table: {}"><table>
 <thead>{}</thead>
 <tbody>
@@ -135,7 +147,10 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) 
     return Markup(text).format(", ".join(filter(None, columns)), head, _joined(body))
 
 
-def _unit(cell: str | Markup) -> str | Markup:
+_LETTERS = re.compile(r"[A-Za-z]{2}")
+
+
+def _unit(cell: str) -> str:
     """A cell whose unit stays in one line."""
     return cell.replace("kg m^2", "kg m²").replace("N m", "N\N{NO-BREAK SPACE}m")
 
@@ -145,13 +160,14 @@ def _player(scene: Scene) -> Markup:
     text = """<figure>
 {}
 <div class="player">
-<button id="play" type="button">Play</button>
+<button id="play" type="button" data-said="">Play</button>
 <input id="scrub" type="range" min="0" max="1" step="1" value="0" aria-label="time">
 <output id="instant"></output>
 <div id="used" class="used"></div>
 </div>
 <script type="application/json" id="scene">{}</script>
-<figcaption>{}<span class="screen"> Drag to turn, wheel to zoom.</span></figcaption>
+<figcaption><span data-said="">{}</span>
+<span class="screen" data-said="">Drag to turn, wheel to zoom.</span></figcaption>
 </figure>"""
     from hexcite.reports.drawing.still import machine_picture
 
@@ -162,8 +178,12 @@ def _player(scene: Scene) -> Markup:
 
 def section(title: str, *blocks: Block) -> Markup:
     """A heading and what stands below it."""
-    text = '<section>\n<h2>{}</h2>\n<div class="items">\n{}\n</div>\n</section>'
-    return Markup(text).format(title, _joined(blocks))
+    text = '<section>\n<h2{}>{}</h2>\n<div class="items">\n{}\n</div>\n</section>'
+    return Markup(text).format(mark(title), title, _joined(blocks))
+
+
+SOUND = phrase("sound_run", "Nothing speaks against this run")
+"""Verdict on a run without a warning."""
 
 
 class Head(NamedTuple):
@@ -185,19 +205,23 @@ def page(
         inputs: what it was done with, versions too: names and values.
         warnings: stand first.
     """
-    items = [Markup("<li>{}</li>").format(explained(warning)) for warning in warnings]
+    items = [Markup("<li{}>{}</li>").format(mark(warning), explained(warning)) for warning in warnings]
     listed = Markup('<ul class="warnings" aria-label="warnings">\n{}\n</ul>').format(_joined(items)) if items else ""
     last = section("Inputs and versions", table(("input", "value"), inputs, left=2))
     files = resources.files("hexcite.reports") / "templates"
     parts = {name: Markup((files / f"page.{name}").read_text(encoding="utf-8")) for name in ("css", "js", "html")}
     facts = (("machine", head.machine), *head.facts, ("page made", f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}"))
+    fact = Markup("<div><dt{}>{}</dt><dd{}>{}</dd></div>")
     whole = parts.pop("html").format(
         **parts,
         title=title,
+        of_title=mark(title),
         mood="good" if head.good else "doubt",
         verdict=explained(head.verdict),
-        facts=_joined(Markup("<div><dt>{}</dt><dd>{}</dd></div>").format(*fact) for fact in facts),
+        of_verdict=mark(head.verdict),
+        facts=_joined(fact.format(mark(name), name, mark(value), value) for name, value in facts),
         lead=explained(lead),
+        of_lead=mark(lead),
         warnings=listed,
         sections=_joined((*sections, last)),
         plotly=_plotly(),
@@ -235,8 +259,14 @@ def _plotly() -> str:
 
 def explained(text: str) -> Markup:
     """A text whose terms are explained by a tooltip, which a keyboard and a screen reader reach too."""
-    return Markup(_TERM.sub(_tooltip, escape(text)))
+    return with_tooltips(escape(text), TERMS)
 
 
-def _tooltip(term: re.Match[str]) -> str:
-    return Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[term[0]], term[0])
+def with_tooltips(text: Markup, terms: Mapping[str, str]) -> Markup:
+    """A text, its terms explained by tooltips."""
+
+    def tooltip(term: re.Match[str]) -> str:
+        return Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(terms[term[0]], term[0])
+
+    ordered = sorted(terms, key=len, reverse=True)
+    return Markup(re.sub("|".join(rf"(?<![\w-]){re.escape(term)}(?!\w)" for term in ordered), tooltip, text))

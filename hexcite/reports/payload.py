@@ -2,13 +2,22 @@
 
 from collections.abc import Mapping
 
+from cases.base.phrases import phrase, said
 from hexcite.reports.page import Block, Head, note, page, section, table, tiles
 from identification.estimation.fit import Value
 from identification.results.frames import Body
 from identification.results.payload import Payload
 from identification.results.result import Result
 from identification.results.verdicts import Verdict
-from identification.texts import PARAMETER_COLUMNS, legible, std_text, value_cells, value_text, with_deviation
+from identification.texts import (
+    PARAMETER_COLUMNS,
+    as_sentences,
+    legible,
+    std_text,
+    value_cells,
+    value_text,
+    with_deviation,
+)
 
 
 def payload_page(payload: Payload, body: Body | None = None, verdict: Verdict | None = None) -> str:
@@ -20,19 +29,23 @@ def payload_page(payload: Payload, body: Body | None = None, verdict: Verdict | 
         verdict: E_n beside reference values; None: there are none.
     """
     doubts, failed = payload.doubts, verdict is not None and not verdict.passed
-    first = f"{doubts[0][0].upper()}{doubts[0][1:]}." if doubts else "Nothing speaks against both runs."
+    first = list(doubts[:1])
     if verdict is not None:
-        first = f"{verdict.word}: E_n beside the reference. {first if doubts else ''}".strip()
+        first = [phrase("beside_reference", "{verdict}: E_n beside the reference", verdict=said(verdict.word)), *first]
+    elif not doubts:
+        first = [phrase("sound_runs", "Nothing speaks against both runs")]
     sections = [section("What was added", tiles(*_largest(payload)), _parameters(payload.parameters))]
     if body is not None:
-        words = f"Counted from the origin and along the axes of the frame: {body.place.name}."
-        sections.append(section("In the frame that was asked for", note(words), _parameters(body.parameters)))
+        counted = "Counted from the origin and along the axes of the frame: {frame}."
+        about = note(phrase("counted_in_frame", counted, frame=body.place.name))
+        sections.append(section("In the frame that was asked for", about, _parameters(body.parameters)))
     if verdict is not None:
         columns, *rows = verdict.rows()
         words = (
             "E_n is the difference from the reference over the root of both squared U (k = 2); above 1 they disagree."
         )
-        sections.append(section(f"Beside the reference: {verdict.word}", table(columns, rows, left=2), note(words)))
+        title = phrase("beside_reference_is", "Beside the reference: {verdict}", verdict=said(verdict.word))
+        sections.append(section(title, table(columns, rows, left=2), note(words)))
     sections.append(section("The two results", _results(payload)))
     inputs = [
         (f"result {name} the payload", f"{of.source}, SHA-256 {of.fingerprint}")
@@ -41,11 +54,20 @@ def payload_page(payload: Payload, body: Body | None = None, verdict: Verdict | 
     inputs += [(entry["file"], f"SHA-256 {entry['sha256']}") for of in _both(payload) for entry in of.record.inputs]
     return page(
         "Payload",
-        Head(first, not doubts and not failed, payload.loaded.case.name, (("result with it", payload.source),)),
-        f"What {payload.source} carries more than {payload.empty.source}: differences of both estimates, with the "
-        "deviations of both.",
+        Head(
+            as_sentences(*first),
+            not doubts and not failed,
+            payload.loaded.case.name,
+            (("result with it", payload.source),),
+        ),
+        phrase(
+            "carries_more",
+            "What {loaded} carries more than {empty}: differences of both estimates, with the deviations of both.",
+            loaded=payload.source,
+            empty=payload.empty.source,
+        ),
         [("case", payload.loaded.case.name), *inputs, *payload.loaded.record.versions.items()],
-        doubts,
+        doubts[1:],
         *sections,
     )
 

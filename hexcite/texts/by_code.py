@@ -8,9 +8,10 @@ from markupsafe import Markup, escape
 
 from cases.base.errors import AT_PLACE
 from cases.base.phrases import PURPOSE, QUOTED
+from cases.schema import TITLE
 from hexcite.texts import answers, cases, plan, sentences
 from identification.limits.limit import NAMED, Limit
-from identification.texts import CAUSE, PARAMETER, begun, parameter_words
+from identification.texts import CAUSE, CHECK, PARAMETER, SENTENCES, begun, parameter_words
 from planner.options import FAMILY
 
 
@@ -40,7 +41,12 @@ def limit_of(at: str) -> str:
 def place_words(place: str) -> str:
     """A strut, joint or sensor with its number, or the name of a body."""
     first, blank, rest = place.partition(" ")
-    return f"{answers.PLACES.get(first, first)}{blank}{rest}"
+    where = _PAYLOADS.sub(lambda count: f"{count[1]} Nutzlast{'en' if count[2] else ''}", rest)
+    return f"{answers.PLACES.get(first, first)}{blank}{where}"
+
+
+_PAYLOADS = re.compile(r"(\d+) payload(s?)")
+"""How many payloads are mounted where a limit is closest."""
 
 
 def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None:
@@ -58,6 +64,10 @@ def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None
     if code in sentences.SIGNS:
         parts = [sentence(part, quoted) for part in values.get("parts", ())]
         return None if None in parts else Markup(sentences.SIGNS[code]).join(each for each in parts if each)
+    if code == SENTENCES:
+        each_part = [sentence(part, quoted) for part in values.get("parts", ())]
+        ended = [Markup("{}.").format(Markup(begun(part.removesuffix(".")))) for part in each_part if part is not None]
+        return None if None in each_part else Markup(" ").join(ended)
     if code == PARAMETER:
         return escape(parameter(str(values.get("name"))))
     if code == FAMILY:
@@ -66,6 +76,11 @@ def sentence(value: object, quoted: Callable[[object], Markup]) -> Markup | None
         return escape(limit_of(str(values.get("name"))))
     if code == CAUSE:
         return escape(answers.CAUSES.get(str(values.get("name")), str(values.get("name"))))
+    if code == TITLE:
+        return escape(answers.TITLES.get(str(values.get("name")), str(values.get("title"))))
+    if code == CHECK:
+        judged = answers.CHECKS.get(str(values.get("code")))
+        return None if judged is None else escape(judged.format(of=parameter(str(values.get("of")))))
     if code == PURPOSE:
         purpose = str(values.get("words"))
         return escape(cases.PURPOSES[purpose]) if purpose in cases.PURPOSES else quoted(purpose)

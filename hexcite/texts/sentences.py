@@ -5,6 +5,7 @@ from hexcite.texts.effects import EFFECTS
 from hexcite.texts.errors import ERRORS, READERS
 from hexcite.texts.looks import LOOKS
 from hexcite.texts.plans import PLANS
+from hexcite.texts.reports import REPORTS
 
 CAUSES = {
     "cause": "{words}: Dann sind die Residuen {smaller} ({newtons} N, wo Rauschen {noise} N macht); {remedies}",
@@ -228,7 +229,19 @@ FINDINGS = {
 """Findings about a run and its evaluation."""
 
 SENTENCES = (
-    FINDINGS | CASES | LOOKS | EFFECTS | PLANS | PROGRAMS | CAUSES | CHANNELS | MOTION | MACHINE | ERRORS | READERS
+    FINDINGS
+    | CASES
+    | LOOKS
+    | EFFECTS
+    | PLANS
+    | PROGRAMS
+    | CAUSES
+    | CHANNELS
+    | MOTION
+    | MACHINE
+    | ERRORS
+    | READERS
+    | REPORTS
 )
 """Code -> German, with the places of the English text."""
 

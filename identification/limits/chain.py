@@ -104,7 +104,7 @@ def joint_efforts(frames: Frames, chain: Chain, gravity: Array, bodies: Sequence
     links = [
         _mechanics(frame, joint.link, pull) for frame, joint in zip(frames, chain.joints, strict=False) if joint.link
     ]
-    loads = [(payload_words(n), _mechanics(frames[-1], body, pull)) for n, body in enumerate(bodies)]
+    loads = [(str(payload_words(n)), _mechanics(frames[-1], body, pull)) for n, body in enumerate(bodies)]
     turns = np.array([joint.turns for joint in chain.joints])
     limited = np.isfinite([joint.effort for joint in chain.joints])
     for kind, axes in ((LimitKind.JOINT_FORCE, limited & ~turns), (LimitKind.JOINT_TORQUE, limited & turns)):

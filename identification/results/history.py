@@ -15,11 +15,18 @@ import numpy as np
 from scipy.special import ndtri
 
 from cases.base.errors import Code, FileProblem, HexciteError
-from cases.base.phrases import phrase
+from cases.base.phrases import Phrase, phrase
 from cases.base.units import Array
 from identification.model.parameters import physical_form
 from identification.results.result import PROMINENT, Result
-from identification.texts import aligned, legible, parameter_words, std_text, value_text, with_deviation
+from identification.texts import (
+    aligned,
+    legible,
+    parameter_phrase,
+    std_text,
+    value_text,
+    with_deviation,
+)
 
 UNLIKELY = 0.01  # chance that noise alone makes one leap, and one drift, among all that are looked for
 FEWEST = 3  # results that show a drift
@@ -53,12 +60,24 @@ class Leap:
     change: float  # [SI]
     std: float  # of the change
 
-    def __str__(self) -> str:
-        """One sentence."""
+    @property
+    def sentence(self) -> Phrase:
+        """What leapt, by how much, and when."""
         scale, unit = legible(self.after.result[self.parameter].unit)
         size = with_deviation(self.change * scale, self.std * scale)
-        dates = f"from {_day(self.before.when)} to {_day(self.after.when)}"
-        return f"{parameter_words(self.parameter)} leapt by {size} {unit} {dates}, {_times(self.change, self.std)}"
+        return phrase(
+            "leapt",
+            "{parameter} leapt by {size} {unit} from {before} to {after}, {times} deviations",
+            parameter=parameter_phrase(self.parameter),
+            size=size,
+            unit=unit,
+            before=_day(self.before.when),
+            after=_day(self.after.when),
+            times=_times(self.change, self.std),
+        )
+
+    def __str__(self) -> str:
+        return str.__str__(self.sentence)
 
 
 @dataclass(frozen=True)
@@ -70,11 +89,22 @@ class Drift:
     std: float
     unit: str
 
-    def __str__(self) -> str:
-        """One sentence."""
+    @property
+    def sentence(self) -> Phrase:
+        """What drifts, and how fast."""
         scale, unit = legible(self.unit)
         size = with_deviation(self.rate * scale * DAY, self.std * scale * DAY)
-        return f"{parameter_words(self.parameter)} drifts by {size} {unit} a day, {_times(self.rate, self.std)}"
+        return phrase(
+            "drifts_daily",
+            "{parameter} drifts by {size} {unit} a day, {times} deviations",
+            parameter=parameter_phrase(self.parameter),
+            size=size,
+            unit=unit,
+            times=_times(self.rate, self.std),
+        )
+
+    def __str__(self) -> str:
+        return str.__str__(self.sentence)
 
 
 @dataclass(frozen=True, repr=False)
@@ -106,9 +136,11 @@ class History:
         return tuple(name for name in first if all(name in other for other in rest))
 
     @property
-    def words(self) -> str:
+    def words(self) -> Phrase:
         """How many results there are."""
-        return "1 result" if len(self.entries) == 1 else f"{len(self.entries)} results"
+        if len(self.entries) == 1:
+            return phrase("single_result", "1 result")
+        return phrase("so_many_results", "{count} results", count=len(self.entries))
 
     @property
     def prominent(self) -> tuple[str, ...]:
@@ -118,7 +150,7 @@ class History:
     @property
     def findings(self) -> tuple[str, ...]:
         """Leaps and drifts, a sentence each."""
-        return tuple(map(str, (*self.leaps, *self.drifts)))
+        return (*(leap.sentence for leap in self.leaps), *(drift.sentence for drift in self.drifts))
 
     def to_json(self) -> dict[str, Any]:
         """The history for programs [SI]."""
@@ -369,4 +401,4 @@ def _day(when: datetime) -> str:
 
 
 def _times(value: float, std: float) -> str:
-    return f"{abs(value) / std:.2g} deviations"
+    return f"{abs(value) / std:.2g}"

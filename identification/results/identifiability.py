@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cases.base.errors import IdentificationError
+from cases.base.phrases import Phrase, as_it_is, enumerated, phrase
 from cases.base.units import Array, as_html
 from cases.schema import Case
 from identification.estimation.fit import column_scale, triangle
@@ -80,19 +81,27 @@ class Identifiability:
         return [p for p in pairs if abs(p[2]) >= NEARLY and not {*p[:2]} <= hidden]
 
     @property
-    def sentences(self) -> tuple[str, ...]:
+    def sentences(self) -> tuple[Phrase, ...]:
         """What cannot be told apart, and what hardly can, in words; none where all can."""
         sentences = []
         for names, count in self.alike:
-            if len(names) == count:
-                sentences.append(f"{together(names)} change{'s' * (count == 1)} no force here")
+            listed = together(names)
+            if len(names) == count == 1:
+                sentences.append(phrase("changes_nothing", "{name} changes no force here", name=listed))
+            elif len(names) == count:
+                sentences.append(phrase("change_nothing", "{names} change no force here", names=listed))
+            elif count == 1:
+                one = "{names} cannot be told apart: a combination of them changes no force"
+                sentences.append(phrase("not_apart", one, names=listed))
             else:
-                words = "a combination of them changes" if count == 1 else f"{count} combinations of them change"
-                sentences.append(f"{together(names)} cannot be told apart: {words} no force")
+                apart = "{names} cannot be told apart: {count} combinations of them change no force"
+                sentences.append(phrase("not_apart_by", apart, names=listed, count=count))
         if pairs := self.nearly_alike:
-            words = ", ".join(f"{a} and {b} ({value:+.3f})" for a, b, value in pairs[:SHOWN])
-            words += f" and {len(pairs) - SHOWN} more pairs" if len(pairs) > SHOWN else ""
-            sentences.append(f"nearly alike, and so known closely only together: {words}")
+            first = enumerated("comma", [_pair(*pair) for pair in pairs[:SHOWN]])
+            if len(pairs) > SHOWN:
+                first = phrase("pairs_more", "{pairs} and {count} more pairs", pairs=first, count=len(pairs) - SHOWN)
+            alike = "nearly alike, and so known closely only together: {pairs}"
+            sentences.append(phrase("nearly_alike", alike, pairs=first))
         return tuple(sentences)
 
     @property
@@ -143,7 +152,11 @@ class Identifiability:
     _repr_html_ = as_html
 
 
-def together(names: Sequence[str]) -> str:
+def _pair(one: str, other: str, correlation: float) -> Phrase:
+    return phrase("pair_correlated", "{one} and {other} ({value})", one=one, other=other, value=f"{correlation:+.3f}")
+
+
+def together(names: Sequence[str]) -> Phrase:
     """Names as a list; many of one block as one."""
     stems: dict[str, list[str]] = {}
     for name in names:
@@ -151,9 +164,14 @@ def together(names: Sequence[str]) -> str:
     parts = [
         part
         for stem, numbers in stems.items()
-        for part in ([f"{len(numbers)} of {stem}"] if len(numbers) > MANY else numbers)
+        for part in (
+            [phrase("so_many_of", "{count} of {block}", count=len(numbers), block=stem)]
+            if len(numbers) > MANY
+            else numbers
+        )
     ]
-    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+    *first, last = parts
+    return enumerated("both", [enumerated("comma", first), last]) if first else as_it_is(last)
 
 
 def analysed(regressors: Array, names: Sequence[str], number: int) -> Identifiability:

@@ -124,7 +124,7 @@ class Payload:
     def doubts(self) -> tuple[str, ...]:
         """Why its values may be further off than their deviations say: its own warnings, then those of both results."""
         findings = (*self.findings, *self.empty.findings, *self.loaded.findings)
-        return tuple(dict.fromkeys(finding.sentence for finding in findings if finding.doubts_values))
+        return tuple(dict.fromkeys(finding.coded_sentence for finding in findings if finding.doubts_values))
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs: parameters, warnings, and the two results that it was computed from."""

@@ -7,12 +7,12 @@ import numpy as np
 
 from cases.acceptance import Acceptance, LargestDeviations, Reference
 from cases.base.errors import Code, HexciteError
-from cases.base.phrases import enumerated, phrase, said
+from cases.base.phrases import Phrase, again, enumerated, phrase, said
 from cases.base.units import MM, as_html
 from cases.schema import Case
 from identification.estimation.fit import Value
 from identification.results.result import Result
-from identification.texts import aligned, parameter_words
+from identification.texts import CHECK, aligned, parameter_words
 
 # kinds of `LargestDeviations`: whether a parameter is one, the unit of the key in SI, and its name
 _KINDS: Mapping[str, tuple[Callable[[str, str], bool], float, str]] = {
@@ -39,6 +39,18 @@ class Check(NamedTuple):
     def passed(self) -> bool:
         """Whether the value keeps the limit; no number never does."""
         return bool(self.value >= self.limit if self.least else self.value <= self.limit)
+
+    @property
+    def words(self) -> Phrase:
+        """What is judged, with its code."""
+        return again(self.name, {"code": CHECK, "values": {"code": self.code, "of": self.of}})
+
+    @property
+    def bound(self) -> Phrase:
+        """The limit in words."""
+        if self.least:
+            return phrase("allowed_least", "at least {limit}", limit=f"{self.limit:.3g}")
+        return phrase("allowed_most", "at most {limit}", limit=f"{self.limit:.3g}")
 
     def to_json(self) -> dict[str, Any]:
         """Entries of an answer."""
@@ -79,8 +91,8 @@ class Verdict(NamedTuple):
             head,
             *(
                 (
-                    "PASS" if check.passed else "FAIL", check.name, f"{check.value:.3g}",
-                    f"{'at least' if check.least else 'at most'} {check.limit:.3g}", check.unit or "-",
+                    "PASS" if check.passed else "FAIL", check.words, f"{check.value:.3g}",
+                    check.bound, check.unit or "-",
                 )
                 for check in self.checks
             ),

@@ -14,7 +14,7 @@ from cases.base.errors import Code, FileProblem, HexciteError
 from cases.base.file_reading import read_json
 from cases.base.folder_kinds import PLAN
 from cases.base.output_places import check_folder
-from cases.base.phrases import phrase
+from cases.base.phrases import Phrase, enumerated, phrase, said
 from cases.base.text_formats import json_text
 from cases.base.units import DEG, MM, as_html
 from cases.basis import COMPUTED_FROM, CONTENT, case_of, content_of, plan_basis, require_unchanged
@@ -24,6 +24,7 @@ from identification.model.model import identification_model
 from identification.model.parameters import physical_form
 from identification.motion.motion import Array, Joined, Motion, Standstill, Trajectory, sample
 from identification.texts import (
+    CAUSE,
     aligned,
     budget_cells,
     carries_rods,
@@ -34,7 +35,7 @@ from identification.texts import (
     use_text,
 )
 from planner.families.plan_settings import PlanSettings
-from planner.options import FAMILY_WORDS
+from planner.options import family_phrase
 from planner.plans.figures import PoseWorth, Worth, bound_by
 from planner.plans.folder import (
     LONGEST_OF_POSES,
@@ -299,29 +300,46 @@ class Plan:
         return entries | {CONTENT: content_of(entries)}
 
     @property
-    def rating(self) -> tuple[float, str]:
+    def rating(self) -> tuple[float, Phrase]:
         """Its D-efficiency, and against what."""
         if isinstance(self.worth, PoseWorth):
-            return self.worth.efficiency, f"of the best design over {self.worth.candidates} candidates (lower bound)"
-        return self.worth.d_efficiency, f"against the box bound ({self.worth.bound.label})"
+            of_design = "of the best design over {count} candidates (lower bound)"
+            return self.worth.efficiency, phrase("of_design", of_design, count=self.worth.candidates)
+        label = said(self.worth.bound.label)
+        return self.worth.d_efficiency, phrase("of_box_bound", "against the box bound ({label})", label=label)
 
     @property
     def doubts(self) -> tuple[str, ...]:
         """Why another plan would carry more information."""
-        stopped = ("stopped by Ctrl-C: this is the best of what was found until then",) if self.interrupted else ()
+        best = "stopped by Ctrl-C: this is the best of what was found until then"
+        stopped = (phrase("stopped_early", best),) if self.interrupted else ()
         return stopped if isinstance(self.worth, PoseWorth) else (*stopped, *self.worth.weaknesses)
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """What predicted standard deviations assume, and notes for the user before running it."""
-        assumed = f"predicted for {self.assumed_noise:.3g} N white noise of "
-        missing = self._not_counted
-        counted = f"; no tolerances of {', '.join(missing)} are counted: see [tolerances]" if missing else ""
-        gained = () if self.gain is None else self.gain.words
+        gained, noise = () if self.gain is None else self.gain.words, f"{self.assumed_noise:.3g}"
         if isinstance(self.worth, PoseWorth):
-            return f"{assumed}an averaged force{counted}", *gained, self.worth.remark, *self._lasting()
-        assumed += f"a force, {self.assumed_rate:g} Hz, {self.of_motion[0].mounted}, weights {self.worth.weights}"
-        return f"{assumed}{counted}", *gained, *self._lasting(), *self.worth.notes
+            standing = "predicted for {noise} N white noise of an averaged force"
+            assumed = phrase("assumed_standing", standing, noise=noise)
+            return self._counted(assumed), *gained, self.worth.remark, *self._lasting()
+        assumed = phrase(
+            "assumed_moving",
+            "predicted for {noise} N white noise of a force, {rate} Hz, {mounted}, weights {weights}",
+            noise=noise,
+            rate=f"{self.assumed_rate:g}",
+            mounted=self.of_motion[0].mounted,
+            weights=said(self.worth.weights),
+        )
+        return self._counted(assumed), *gained, *self._lasting(), *self.worth.notes
+
+    def _counted(self, assumed: Phrase) -> Phrase:
+        """What predictions assume, and which tolerances they do not count."""
+        if not self._not_counted:
+            return assumed
+        kinds = enumerated("comma", [phrase(CAUSE, kind, name=kind) for kind in self._not_counted])
+        whole = "{assumed}; no tolerances of {kinds} are counted: see [tolerances]"
+        return phrase("tolerances_missing", whole, assumed=assumed, kinds=kinds)
 
     @property
     def _not_counted(self) -> list[str]:
@@ -332,18 +350,32 @@ class Plan:
         """Whether a longer run of its kind would gain little."""
         model = identification_model(self.case, self.model)
         targets = self.request.target if isinstance(self.request, Request) else {}
-        longer = "more seconds lower" if isinstance(self.request, Request) else "longer averages lower"
+        longer = phrase("more_seconds", "more seconds lower")
+        if not isinstance(self.request, Request):
+            longer = phrase("longer_averages", "longer averages lower")
         promise = self.promise if self.gain is None else self.gain.after
         words = promise.lasting_words(physical_form(model).parameters, targets, longer)
         return (words,) if words else ()
 
     @property
-    def headline(self) -> str:
+    def headline(self) -> Phrase:
         """What it is, in a line."""
-        subject = f"{len(self.poses)} poses" if isinstance(self.worth, PoseWorth) else FAMILY_WORDS[self.family]
-        criterion = f"criterion {self.request.criterion}, model {self.model}"
-        left_out = f", without {', '.join(self.without)}" if self.without else ""
-        return f"Plan for {self.case.name}: {subject}, {self.duration:.2f} s, {criterion}{left_out}"
+        subject = family_phrase(self.family)
+        if isinstance(self.worth, PoseWorth):
+            subject = phrase("so_many_poses", "{count} poses", count=len(self.poses))
+        line = phrase(
+            "headline",
+            "Plan for {machine}: {subject}, {seconds} s, criterion {criterion}, model {model}",
+            machine=self.case.name,
+            subject=subject,
+            seconds=f"{self.duration:.2f}",
+            criterion=self.request.criterion,
+            model=self.model,
+        )
+        left_out = ", ".join(self.without)
+        return (
+            phrase("headline_without", "{line}, without {left_out}", line=line, left_out=left_out) if left_out else line
+        )
 
     def _verdict(self) -> list[str]:
         efficiency, measure = self.rating

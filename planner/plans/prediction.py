@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cases.base.phrases import NOTHING, Phrase, enumerated, phrase
 from cases.base.units import Array
 from cases.bounds import Bounds
 from cases.schema import Case
@@ -21,7 +22,7 @@ from identification.model.blocks import Parameter
 from identification.model.model import Model, expected_forces
 from identification.model.parameters import physical_form
 from identification.motion.motion import Trajectory
-from identification.texts import legible, std_text
+from identification.texts import CAUSE, legible, std_text
 from planner.known import Known
 from planner.noise import ExpectedNoise
 
@@ -154,7 +155,7 @@ class Promise(NamedTuple):
         counted = [*next(iter(self.budget.values()), {}), *(["clock"] if standing else [])]
         return [kind for kind in dict.fromkeys(KINDS[key] for key in case.tolerable) if kind not in counted]
 
-    def lasting_words(self, parameters: Sequence[Parameter], wanted: Collection[str], longer: str) -> str:
+    def lasting_words(self, parameters: Sequence[Parameter], wanted: Collection[str], longer: str) -> Phrase:
         """What a longer run cannot lower and why, such as `more seconds lower m from .. to .. at most: ..`.
 
         Empty where it would lower all that matters.
@@ -167,7 +168,7 @@ class Promise(NamedTuple):
         share = {name: self.least.get(name, 0.0) / std for name, std in self.std.items() if std > 0.0}
         stuck = [p for p in parameters if share.get(p.name, 0.0) > HARDLY and (not wanted or p.name in wanted)]
         if not stuck:
-            return ""
+            return NOTHING
         first = stuck[0]
         scale, unit = legible(first.unit)
         now, least = (std_text(of[first.name] * scale) for of in (self.std, self.least))
@@ -175,9 +176,20 @@ class Promise(NamedTuple):
         kind = max(parts, key=lambda one: parts[one])
         percent = 100.0 * parts[kind] / self.std[first.name] ** 2
         rest = [p.name for p in stuck[1:]]
-        others = "" if not rest else f"; likewise {', '.join(rest)}"
-        gain = f"from {now} to {least} {unit} at most" if now != least else f"by nothing, it stays at {now} {unit}"
-        return f"{longer} {first.name} {gain}: tolerances of {kind} are {percent:.0f} % of its variance{others}"
+        gain = phrase("from_to_at_most", "from {now} to {least} {unit} at most", now=now, least=least, unit=unit)
+        if now == least:
+            gain = phrase("by_nothing", "by nothing, it stays at {now} {unit}", now=now, unit=unit)
+        whole = phrase(
+            "lasting",
+            "{longer} {name} {gain}: tolerances of {kind} are {percent} % of its variance",
+            longer=longer,
+            name=first.name,
+            gain=gain,
+            kind=phrase(CAUSE, kind, name=kind),
+            percent=f"{percent:.0f}",
+        )
+        others = ", ".join(rest)
+        return phrase("and_likewise", "{whole}; likewise {others}", whole=whole, others=others) if rest else whole
 
 
 LOOSE = 0.5  # of a variance that is noise, from which on further runs lower it
@@ -214,12 +226,16 @@ class Gain:
         """What the run lowers most, what stays loose after it, and that the earlier results do not agree."""
         std, named = self.after.std, ", ".join(self.results)
         most = sorted(std, key=lambda name: std[name] / self.before[name])[:MOST_NAMED]
-        falls = ", ".join(f"{name} to {100.0 * std[name] / self.before[name]:.0f} %" for name in most)
-        sentences = [f"known by {named}: with this run deviations fall, most {falls} of what they are"]
-        if self.after.budget:
-            loose = ", ".join(self.loose)
-            still = f"still loose, for noise is most of their variance: {loose}" if loose else ""
-            sentences.append(still or "nothing is loose after it: tolerances are most of every variance")
+        to = "{name} to {percent} %"
+        parts = (phrase("falls_to", to, name=n, percent=f"{100.0 * std[n] / self.before[n]:.0f}") for n in most)
+        known = "known by {named}: with this run deviations fall, most {falls} of what they are"
+        sentences = [phrase("known_by", known, named=named, falls=enumerated("comma", [*parts]))]
+        if self.loose:
+            still = "still loose, for noise is most of their variance: {loose}"
+            sentences.append(phrase("still_loose", still, loose=", ".join(self.loose)))
+        elif self.after.budget:
+            nothing = "nothing is loose after it: tolerances are most of every variance"
+            sentences.append(phrase("nothing_loose", nothing))
         return (*sentences, *self.warnings)
 
 

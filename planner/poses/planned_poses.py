@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, option
+from cases.base.phrases import phrase, said
 from cases.base.units import DEG, MM
 from cases.schema import Case
 from identification.estimation.criteria import (
@@ -341,7 +342,7 @@ def _choose(
     if request.method in ("backward", "backward-change"):
         return poses[indices], "as many as asked for"
     refined, status = refine(case, model, scaling, criterion, poses[indices])
-    return refined, f"refined: {status}"
+    return refined, phrase("refined", "refined ({status})", status=said(status))
 
 
 def _require_few(poses: Array) -> None:

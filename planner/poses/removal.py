@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.base.phrases import phrase
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, pose_regressors, total_information
 from identification.model.model import Model
@@ -133,7 +134,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: Criterion, poses
     refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and valid_poses(case, refined).all()):
-        return poses, f"{status}; nothing better found"
+        return poses, phrase("nothing_better", "{status}; nothing better found", status=status)
     return refined, status
 
 

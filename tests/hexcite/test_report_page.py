@@ -361,7 +361,7 @@ def test_limits_stand_in_the_order_of_what_a_reader_asks():
         check(LimitKind.STRUT_ACCELERATION, 0.97, Status.FOLLOWS),
     )
     text = limits_table(LimitReport(checks))
-    names = re.findall(r'class="what">([^<]*)<', text)
+    names = re.findall(r'class="what"[^>]*>([^<]*)<', text)
     assert names == [
         *("jerk (x)", "strut velocity (x)", "angular jerk (x)", "strut length (x)", "position (x)"),
         *("strut acceleration (x)", "velocity (x)"),

@@ -3,6 +3,7 @@
 import casadi as ca
 import numpy as np
 
+from cases.base.phrases import Phrase, phrase
 from cases.base.units import Array
 from cases.schema import Case
 from hexcite.reports.drawing.chart import Axis, Chart, Dash, lines
@@ -54,13 +55,15 @@ def acceleration_charts(
         if planned is not None:
             dash: Dash = "dash" if measured is not None else "solid"
             series += lines(planned[0], planned[1][:, axes], labels, 1.2, dash, most=POINTS)
-        words = "lines: by the drives, behind the evaluation's filter; dashed: planned"
-        if planned is None or measured is None:
-            words = "planned" if measured is None else "by the drives, behind the evaluation's filter"
+        shown = phrase("lines_and_dashed", "lines: by the drives, behind the evaluation's filter; dashed: planned")
+        if planned is None:
+            shown = phrase("drives_alone_shown", "by the drives, behind the evaluation's filter")
+        elif measured is None:
+            shown = phrase("of_plan_alone", "planned")
         charts.append(
             Chart(
                 f"figure5-{kind}{name}",
-                f"Accelerations of the {kind} of the load's frame in {{B}}{f' of {of}' if of else ''}: {words}.",
+                _caption(kind, of, shown),
                 series,
                 Axis("time [s]"),
                 Axis(f"acceleration [{unit}]"),
@@ -71,15 +74,32 @@ def acceleration_charts(
     return tuple(charts)
 
 
-def summary(measured: Accelerations, planned: Accelerations) -> str:
+def _caption(kind: str, of: str, shown: Phrase) -> Phrase:
+    words = phrase("of_translation", "Accelerations of the translation of the load's frame")
+    if kind == "rotation":
+        words = phrase("of_rotation", "Accelerations of the rotation of the load's frame")
+    base = "{B}"
+    if of:
+        whole = "{words} in {base} of {name}: {shown}."
+        return phrase("accelerations_of", whole, words=words, base=base, name=of, shown=shown)
+    return phrase("accelerations", "{words} in {base}: {shown}.", words=words, base=base, shown=shown)
+
+
+def summary(measured: Accelerations, planned: Accelerations) -> Phrase:
     """How far measured accelerations are from those planned, rms over what both hold, in words."""
     inside = (measured[0] >= planned[0][0]) & (measured[0] <= planned[0][-1])
     if not np.any(inside):
-        return "plan and run share no time"
+        return phrase("no_time_shared", "plan and run share no time")
     expected = np.array([np.interp(measured[0][inside], planned[0], column) for column in planned[1].T]).T
     away = measured[1][inside] - expected
-    parts = []
+    sizes = {}
     for kind, axes, _, unit in AXES:
         size, whole = np.sqrt(np.mean(away[:, axes] ** 2)), np.sqrt(np.mean(expected[:, axes] ** 2))
-        parts.append(f"{kind} {size:.2g} of {whole:.2g} {unit} rms")
-    return f"measured less planned accelerations: {', '.join(parts)}"
+        sizes[kind] = phrase(
+            "rms_of", "{size} of {whole} {unit} rms", size=f"{size:.2g}", whole=f"{whole:.2g}", unit=unit
+        )
+    return phrase(
+        "measured_less_planned",
+        "measured less planned accelerations: translation {translation}, rotation {rotation}",
+        **sizes,
+    )

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.special import ndtri
 
+from cases.base.phrases import phrase
 from hexcite.comparison.entries import Entry
 from hexcite.reports.drawing.chart import Axis, Chart, Dash, Line, Points, colour
 from hexcite.reports.drawing.figures import powers, unit_of
@@ -43,8 +44,13 @@ def density_charts(parameters: Mapping[str, Value]) -> tuple[Chart, ...]:
         charts.append(
             Chart(
                 f"density-{number}",
-                f"Normal density of {', '.join(names)} about the estimate, by the reported standard deviation: the "
-                "narrower and higher, the better known.",
+                phrase(
+                    "density_of",
+                    "Normal density of {names} about the estimate, by the reported standard deviation: the narrower "
+                    "and "
+                    "higher, the better known.",
+                    names=", ".join(names),
+                ),
                 series,
                 Axis(f"deviation from the estimate [{powers(unit)}]"),
                 Axis(f"density [1/({powers(unit)})]"),

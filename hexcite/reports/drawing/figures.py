@@ -5,9 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from markupsafe import Markup
 
+from cases.base.phrases import Phrase, phrase, said
 from cases.base.units import DEG, MM
 from cases.schema import Case
 from hexcite.reports.drawing.chart import Axis, Chart, Rule, colour, lines
+from hexcite.reports.drawing.marks import mark
 from identification.limits.limit import TOLERANCE, LimitCheck, LimitReport, Status
 from identification.motion.motion import Motion
 from identification.texts import bounds_text, use_text
@@ -65,10 +67,14 @@ def limits_table(report: LimitReport) -> Markup:
     return Markup('<div class="bars" role="list" aria-label="use of each limit">\n{}\n</div>').format(rows)
 
 
-def _limit(check: LimitCheck) -> str:
+def _allowed(check: LimitCheck) -> Phrase:
+    """The limit in words."""
     if check.kind.least:
-        return ""
-    return "from " if check.two_sided else "limit "
+        return phrase("allowed_least", "at least {limit}", limit=f"{check.limit:.4g}")
+    if check.two_sided and check.bounds is not None and check.bounds[0] != -check.bounds[1]:
+        low, high = (f"{end:.4g}" for end in check.bounds)
+        return phrase("allowed_between", "from {low} to {high}", low=low, high=high)
+    return phrase("allowed_limit", "limit {limit}", limit=bounds_text(check))
 
 
 def _exceeded(check: LimitCheck) -> bool:
@@ -80,16 +86,19 @@ def _bar(check: LimitCheck) -> Markup:
     exceeded = _exceeded(check)
     state = "over" if exceeded else "open" if check.status in (Status.NOT_ENFORCED, *_LEFT_OUT) else "sure"
     text = (
-        '<div role="listitem" class="{}"><span class="what">{}</span>{}'
-        "<span class=share>{}</span><span class=value>{} {}, {}; {}</span></div>"
+        '<div role="listitem" class="{}"><span class="what"{}>{}</span>{}<span class="share"{}>{}</span>'
+        '<span class="value">{} <span{}>{}</span>, <span{}>{}</span>; <span{}>{}</span></span></div>'
     )
-    words = f"{'EXCEEDED, ' if exceeded else ''}{_WORDS[check.status]}"
+    words: str = _WORDS[check.status]
+    if exceeded:
+        words = phrase("exceeded_and", "EXCEEDED, {words}", words=said(words))
     width = 100.0 * min(check.ratio, MOST_SHARE) / MOST_SHARE
     # A least value has no share, and so no bar: it stands beside what it must not fall below.
     bar = Markup('<span class="track{}"><i style="width: {:.2f}%"></i></span>')
     track = bar.format(" none", 0.0) if check.kind.least else bar.format("", width)
-    share, allowed = use_text(check, 1, check.unit.split()[0]), f"{_limit(check)}{bounds_text(check)}"
-    return Markup(text).format(state, check.name, track, share, value_of(check), powers(check.unit), allowed, words)
+    texts = (check.name, use_text(check, 1, check.unit.split()[0]), powers(check.unit), _allowed(check), words)
+    name, share, unit, allowed, ensured = ((mark(each), each) for each in texts)
+    return Markup(text).format(state, *name, track, *share, value_of(check), *unit, *allowed, *ensured)
 
 
 def value_of(check: LimitCheck) -> str:

@@ -59,7 +59,7 @@ function playerOf(div) {
   const instant = document.getElementById("instant"), limits = document.getElementById("used");
   let scene, t, frames, used = null, moving = [], drawn = false;
   let shown = 0, wanted = 0, busy = true, began = null;
-  let words = { play: "Play", pause: "Pause", pose: "pose", of: "of" };
+  let words = { play: "Play", pause: "Pause", pose: "pose", of: "of", path: "path", poses: "poses" };
 
   const placed = (point, frame, k) => {
     if (frame === BASE) return point;
@@ -86,7 +86,7 @@ function playerOf(div) {
   const data = () => {
     const path = columns([Array.from(t, (_, k) => placed([0, 0, 0], scene.moving, k))]);
     const walked = {
-      type: "scatter3d", x: path[0], y: path[1], z: path[2], hoverinfo: "name", name: scene.steps ? "poses" : "path",
+      type: "scatter3d", x: path[0], y: path[1], z: path[2], hoverinfo: "name", name: scene.steps ? words.poses : words.path,
       ...(scene.steps ? { mode: "markers", marker: { size: 2, color: PALETTE[2] } }
         : { mode: "lines", line: { width: 2, color: PALETTE[2] } }),
     };
@@ -235,7 +235,7 @@ function playerOf(div) {
 
   async function take(next, said) {
     scene = next;
-    words = said ?? words;
+    words = { ...words, ...said };
     t = numbers(scene.t);
     frames = numbers(scene.frames);
     shown = wanted = 0;
@@ -276,7 +276,7 @@ async function drawAll() {
   let count = 0;
   for (const script of document.querySelectorAll("script[data-plot], script#scene")) { // from top to bottom
     const figure = JSON.parse(script.textContent);
-    if (script.id === "scene") await machine(document.getElementById("machine"), figure);
+    if (script.id === "scene") await machine(document.getElementById("machine"), figure, figure.words);
     else await draw(document.getElementById("plot-" + script.dataset.plot), figure.data, figure.layout);
     count += 1;
     await breath();

@@ -10,8 +10,10 @@ from pathlib import Path
 from string import Formatter
 
 import pytest
+from markupsafe import escape
 from starlette.testclient import TestClient
 
+import hexcite as hx
 from cases.base.errors import CaseError, Code, IdentificationError
 from cases.base.phrases import SIGNS, phrase, said
 from cases.schema import load_case
@@ -25,6 +27,8 @@ from hexcite.page.refusals import Unfit
 from hexcite.page.server import app_of
 from hexcite.page.stages import built_in
 from hexcite.page.words import ENGLISH, Words
+from hexcite.reports import page as reports
+from hexcite.reports.translated import in_german
 from hexcite.texts import answers, sentences
 from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
 from identification.finding import Kind
@@ -34,7 +38,7 @@ from identification.findings.tolerances import MEMORY, NOISE, SHOWN
 from identification.limits.limit import LimitKind, OwnMove, Status
 from identification.recording.formats.reasons import Why, because
 from identification.results.verdicts import accept
-from identification.texts import _BODY, _WORDS
+from identification.texts import _BODY, _WORDS, as_sentences
 from tests.cases.editing import edited
 from tests.cases.test_bad_cases import MISTAKES
 from tests.hexcite.command_line import call
@@ -153,6 +157,49 @@ def test_all_stages_speak_german(answered: TestClient):
     refused = answered.post("/m/+mill/do/program", data={"plan": "none"})
     assert refused.status_code == 400
     assert "steht nicht zur Wahl" in refused.text
+
+
+def test_reports_speak_german_in_their_frames(answered: TestClient, root: Path):
+    case = load_case(str(root / "mill"))
+    plan, result = hx.Plan.load(root / "plan", case), hx.Result.load(root / "res", case)
+    values = {"plan": plan, "poses": hx.plan_poses(case, count=12, method="backward"), "res": result}
+    for name, value in values.items():
+        (root / name).mkdir(exist_ok=True)
+        hx.report(value, root / name / "report.html")
+    written = answered.get("/report/plan", headers={"accept-language": "en"}).text
+    assert written == (root / "plan" / "report.html").read_text(encoding="utf-8")
+    for name in values:
+        page = answered.get(f"/report/{name}").text
+        assert '<html lang="de">' in page
+        assert english_in(page) == set()
+        assert re.findall(r'lang="en">([^<]*)', page) == []
+        assert "data-said" not in page
+    assert "Masse (m)" in page
+    figures = re.findall(r'data-plot="[^"]*">(.*?)</script>', answered.get("/report/plan").text, re.DOTALL)
+    assert "Geschwindigkeit [mm/s]" in [
+        json.loads(figure)["layout"]["yaxis"]["title"]["text"] for figure in figures[2:]
+    ]
+
+
+def test_a_report_in_german_keeps_what_users_wrote():
+    written = '<script>alert("Velocity")</script> & {m} \\1'
+    page = reports.page(
+        phrase("page_of_plan", "Plan: {machine}", machine=written),
+        reports.Head(
+            as_sentences("the mass of this is odd", phrase("sound_run", "Nothing speaks against this run")),
+            True,
+            written,
+        ),
+        "How large",
+        [("case", written)],
+        [written],
+        reports.section("Over time", reports.table(("value", written), [(written, "1")])),
+    )
+    german = in_german(page)
+    assert page.count(str(escape(written))) == german.count(str(escape(written)))
+    assert '<q lang="en">the mass of this is odd</q>. Nichts spricht gegen diesen Lauf.' in german
+    assert "<h2>Über der Zeit</h2>" in german
+    assert "<script>alert" not in german
 
 
 def test_everything_with_a_code_has_german_words():
