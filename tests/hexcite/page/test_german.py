@@ -171,8 +171,9 @@ def test_reports_speak_german_in_their_frames(answered: TestClient, root: Path):
     for name in values:
         page = answered.get(f"/report/{name}").text
         assert '<html lang="de">' in page
-        assert english_in(page) == set()
-        assert re.findall(r'lang="en">([^<]*)', page) == []
+        assert english_in(re.sub(r"[0-9a-f]{16,}", "", page)) == set()  # without fingerprints
+        of_the_case = {case.simulation.source} if case.simulation is not None else set()
+        assert {*re.findall(r'lang="en">([^<]*)', page)} <= of_the_case
         assert "data-said" not in page
     assert "Masse (m)" in page
     figures = re.findall(r'data-plot="[^"]*">(.*?)</script>', answered.get("/report/plan").text, re.DOTALL)
