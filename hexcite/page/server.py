@@ -89,6 +89,7 @@ def app_of(
         Route("/m/{key}", page.machine),
         Route("/m/{key}/{stage}", page.stage),
         Route("/m/{key}/do/{action}", page.act, methods=["POST"]),
+        Route("/m/{key}/do/{action}", page.machine),  # the address of a refused form, asked for again
         Route("/jobs/{number:int}/events", page.events),
         Route("/jobs/{number:int}/stop", page.stop, methods=["POST"]),
         Route("/files/{path:path}", page.download),

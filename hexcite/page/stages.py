@@ -181,7 +181,7 @@ class Workspace:
         """How a stage stands: done, open (the next to do), stale, or closed (something before it is missing)."""
         case = self.machine.case
         if stage == "machine":
-            return "open" if case is None else "done"
+            return "open" if case is None or case.template is not None else "done"  # values of the example are left
         if case is None:
             return "closed"
         if stage == "plan":

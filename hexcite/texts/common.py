@@ -15,6 +15,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "use": ("Use", "Nutzen"),
     "state_done": ("done", "fertig"),
     "state_open": ("to do", "zu tun"),
+    "state_examples": ("example's values left", "noch Werte des Beispiels"),
     "state_stale": ("out of date", "veraltet"),
     "state_closed": ("not yet", "noch nicht"),
     "folder": ("Folder", "Ordner"),

@@ -30,8 +30,8 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "new_machine": ("A machine of your own", "Eine eigene Maschine"),
     "new_name": (
-        "Name: small letters, digits and underscores, a letter first",
-        "Name: Kleinbuchstaben, Ziffern und Unterstriche, ein Buchstabe zuerst",
+        "Name of its folder: small letters, digits and underscores; HX-260 becomes hx_260",
+        "Name ihres Ordners: Kleinbuchstaben, Ziffern und Unterstriche; aus HX-260 wird hx_260",
     ),
     "begin_like": (
         "Begin from the machine that is most like it; you replace its values by those of your drawing",
@@ -107,7 +107,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "ends": ("allowed", "erlaubt"),
     "near_hit": ("exceeded", "überschritten"),
     "near_close": ("close", "knapp"),
-    "space_note": ("Drag to turn, wheel or two fingers to zoom.", "Ziehen dreht, Rad oder zwei Finger vergrößern."),
+    "space_note": (
+        "Drag to turn, Ctrl and wheel or two fingers to zoom.",
+        "Ziehen dreht, Strg mit Rad oder zwei Finger vergrößern.",
+    ),
     "home_sliders": ("Joints at home", "Gelenke in der Grundstellung"),
     "home_sliders_note": (
         "Picture and distances follow; written when you save the values below.",
@@ -134,6 +137,11 @@ TEXTS: dict[str, tuple[str, str]] = {
     "joints_before": ("moved by {count} joints", "von {count} Gelenken bewegt"),
     "mark_example": ("still that of the example", "noch der Wert des Beispiels"),
     "mark_typical": ("a typical value, to be replaced", "ein üblicher Wert, noch zu ersetzen"),
+    "examples_left": (
+        "{count} values below are still those of the example: replace them, and say so where one is right.",
+        "{count} Werte unten sind noch die des Beispiels: ersetzen, und bestätigen, wo sie stimmen.",
+    ),
+    "all_mine": ("All values are mine", "Alle Werte sind meine"),
     "mark_mine": ("yours", "Ihr Wert"),
     "mark_missing": ("not stated", "nicht angegeben"),
     "mark_doubtful": ("implausible", "unglaubhaft"),

@@ -1,10 +1,14 @@
 """Actions of the stage Machine: checks, the motion box, a new case, changed values."""
 
+import re
+import unicodedata
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import quote
 
+from cases.base.errors import HexciteError, Write
+from cases.editing import write_keys
 from cases.tables import built_in_cases
 from hexcite.page import forms, joint_table, values
 from hexcite.page.actions.common import Action, Context, job_of
@@ -29,11 +33,23 @@ def _box(context: Context, there: Workspace, fields: Fields) -> Job:
     return _check(context, there, {})
 
 
+def _mine(context: Context, there: Workspace, fields: Fields) -> Job:
+    """All values are those of the user's machine: the line that names the example goes, and the case is checked."""
+    if not context.machine.own:
+        raise Unfit("built_in_stays")
+    try:
+        write_keys(context.machine.file, [Write(("template",), None)])
+    except HexciteError as error:
+        raise Unfit.of(error.sentences) from error
+    return _check(context, there, {})
+
+
 def new(root: Path, fields: Fields) -> Job:
     """`hexcite case new`, from a built-in case or from a URDF file of the root."""
     name = field(fields, "name")
     if not name or name.startswith("-") or "/" in name or "\\" in name or len(name) > 100:
         raise Unfit("no_machine_name", name=name)
+    name = _as_name(name)
     urdf, like = field(fields, "urdf"), field(fields, "like")
     if urdf:
         chosen(fields, "urdf", [file.name for file in root.glob("*.urdf")])
@@ -44,6 +60,15 @@ def new(root: Path, fields: Fields) -> Job:
         chosen(fields, "like", built_in_cases())
         command = ["case", "new", name, "--like", like]
     return Job("", "machine", tuple(command), output=name, goto=f"/m/+{quote(name)}/machine")
+
+
+def _as_name(typed: str) -> str:
+    """A name of a case, as near to what was typed as can be: hx_260 of HX-260; raises Unfit where nothing is left."""
+    plain = unicodedata.normalize("NFKD", typed.lower()).encode("ascii", "ignore").decode()
+    name = re.sub(r"[^a-z0-9]+", "_", plain).strip("_")
+    if not name:
+        raise Unfit("no_machine_name", name=typed)
+    return name if name[0].isalpha() else f"machine_{name}"
 
 
 class Saved(NamedTuple):
@@ -82,5 +107,6 @@ def given_values(fields: Fields) -> dict[str, str]:
 ACTIONS: Mapping[str, Action] = {
     "check": _check,
     "box": _box,
+    "mine": _mine,
 }
 """Name in an address -> what it starts."""

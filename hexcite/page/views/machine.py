@@ -43,6 +43,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "joint_table": joints,
         "given": {},
         "refused": {},
+        "examples": sum(entry.mark == "example" for section in sections for entry in section.entries),
         **_lacking(machine, sections),
         "checked": check.answer if check is not None else None,
         "doubts": machine.case.doubts if machine.case is not None else (),

@@ -48,6 +48,9 @@ const BASE = 0; // the frame that stands still
 // A machine that moves, and the words of its buttons. Lines of its parts are points in frames that move: rows of (R p)
 // of each frame, in mm. A page that shows this one in a frame of its own may send another scene at any time.
 let player = null;
+if (document.body.classList.contains("space")) { // the wheel scrolls the page around; with Ctrl, or a pinch, it zooms
+  addEventListener("wheel", (event) => { if (!event.ctrlKey) event.stopPropagation(); }, { capture: true });
+}
 const machine = (div, scene, words) => (player ??= playerOf(div)).take(scene, words);
 const alone = () => document.body.classList.contains("space"); // nothing but the machine
 const escaped = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;"); // plotly reads some HTML in labels

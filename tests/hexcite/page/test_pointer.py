@@ -92,9 +92,13 @@ def test_a_mouse_turns_zooms_and_chooses_the_flange(browser: Browser, address: s
     assert max(abs(a - b) for a, b in zip(before, turned, strict=True)) > 0.2
     assert length(turned) == pytest.approx(length(before), rel=0.05)
     expect(menu).to_have_value("tool0")  # a drag chooses nothing
+    page.mouse.wheel(0, -40)  # is the page's own
+    assert length(picture.eye()) == pytest.approx(length(turned), rel=1e-6)
+    page.keyboard.down("Control")
     page.mouse.wheel(0, -40)
     assert length(picture.eye()) < 0.97 * length(turned)
     page.mouse.wheel(0, 40)
+    page.keyboard.up("Control")
     for name in ("l1", "l3", "base_link", "tool0"):
         page.mouse.click(*picture.link(name))
         expect(menu).to_have_value(name)

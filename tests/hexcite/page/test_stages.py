@@ -55,16 +55,16 @@ def states(root: Path) -> str:
 
 
 def test_stages_follow_what_commands_write(root: Path, case: Case, client: TestClient):
-    assert states(root) == "done open closed open closed closed"
+    assert states(root) == "open open closed open closed closed"
     folder = plan_folder(root, case)
-    assert states(root) == "done done open open closed closed"
+    assert states(root) == "open done open open closed closed"
     fingerprint = there(root).plans[0].fingerprint
     (root / "run.mpf").write_text(f"; plan hash {fingerprint[:16]}\nG1 X0\n")
     (root / "other.mpf").write_text("; plan hash 0123456789abcdef\n")
     assert [program.name for program in there(root).programs] == ["run.mpf"]
-    assert states(root) == "done done done open closed closed"
+    assert states(root) == "open done done open closed closed"
     (root / "rec.csv").write_text("t_s,f1_N\n0,1\n")
-    assert states(root) == "done done done done open closed"
+    assert states(root) == "open done done done open closed"
     (root / "res").mkdir()
     record = {
         "case": "mill",
@@ -74,12 +74,12 @@ def test_stages_follow_what_commands_write(root: Path, case: Case, client: TestC
         "findings": [],
     }
     (root / "res" / "result.json").write_text(json.dumps(record))
-    assert states(root) == "done done done done done open"
+    assert states(root) == "open done done done done open"
     for stage in ("machine", "plan", "program", "data", "result", "use"):
         assert client.get(f"/m/+mill/{stage}").status_code == 200
     file = root / "mill" / "case.toml"
     file.write_text(file.read_text().replace("radius_mm = 700.0", "radius_mm = 705.0", 1))
-    assert states(root) == "done stale stale done stale closed"
+    assert states(root) == "open stale stale done stale closed"
     assert any("radius_mm was 700" in words for words in there(root).plans[0].changed)
     assert "700" in client.get("/m/+mill/plan").text
     (folder / "plan.json").write_text("{")
@@ -430,3 +430,18 @@ def test_a_check_of_a_machine_is_shown_with_and_without_a_proposal(client: TestC
             time.sleep(0.1)
         assert "of the motion box is within reach" in shown.text
     assert "x_mm = [" in shown.text
+
+
+def test_a_name_as_people_write_it_becomes_one_of_a_folder(client: TestClient, root: Path):
+    assert client.post("/new", data={"name": "HX-260", "like": "hexapod"}).status_code == 303
+    assert "hexcite case new hx_260" in client.get("/").text
+
+
+def test_the_stage_machine_is_done_when_all_values_are_the_users(client: TestClient, root: Path):
+    file = new_case("mill", "hexapod", root / "mill")
+    before = client.get("/m/+mill/machine").text
+    assert '<li class="open">' in before.partition("</li>")[0] + "</li>"
+    assert client.get("/m/+mill/do/save").headers["location"] == "/m/+mill/machine"  # of a refused form
+    assert client.post("/m/+mill/do/mine", data={}).status_code == 303
+    assert load_case(str(file)).template is None
+    assert '<li class="done">' in client.get("/m/+mill/machine").text.partition("</li>")[0]
