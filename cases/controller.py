@@ -98,6 +98,10 @@ class Setpoints(Part):
     cycle: ClassVar = si_value("cycle_ms")  # control cycle [s]
 
 
+SHORTEST_NAME = 24
+"""Characters that every controller takes in the name of a program."""
+SLOW = "_SLOW"
+"""How the name of a program at a share of its speed ends."""
 SINUMERIK_NAME = r"^(?:[A-Z]{2}|_[A-Z])[A-Z0-9_]{0,22}$"
 _KEYWORDS = ("LEAD", "TILT", "THETA", "PHI", "PSI", "AR", "CR", "PL", "PO", "PW", "SD", "ACC", "OVR")
 _VECTORS = {f"{axis}{k}" for axis in "ABC" for k in range(3, 8)}  # they take components of vectors
@@ -329,6 +333,13 @@ class Controller(Part):
 
     cycle: ClassVar = si_value("cycle_ms")  # interpolation cycle [s]
     block: ClassVar = si_value("block_ms")  # duration of a block on a timed path [s]
+
+    def named_slow(self) -> "Controller":
+        """The same with `_SLOW` behind the names of programs, which are cut where a controller takes no longer ones."""
+        named = {part.table: part for part in (self.sinumerik, self.twincat, self.urscript) if part is not None}
+        names = {table: f"{part.program_name[: SHORTEST_NAME - len(SLOW)]}{SLOW}" for table, part in named.items()}
+        parts = {table: part.model_copy(update={"program_name": names[table]}) for table, part in named.items()}
+        return self.model_copy(update=parts)
 
     @property
     def overdriven(self) -> bool:

@@ -569,6 +569,11 @@ class Case(Heading):
         limits = self.limits.model_copy(update={"motion": self.limits.motion.with_jerk(jerk)})
         return self.model_copy(update={"limits": limits})
 
+    def named_slow(self) -> "Case":
+        """The same with names for slow programs, which must not replace the others in a controller's memory."""
+        assert self.controller is not None  # asked of cases that write programs
+        return self.model_copy(update={"controller": self.controller.named_slow()})
+
     def without_jerk(self) -> "Case":
         """The same where jerks are not limited, as for a controller whose accelerations step."""
         assert self.limits is not None

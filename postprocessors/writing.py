@@ -52,8 +52,9 @@ def proven_program(
     """
     path = Path(file)
     resolution = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case).resolution
+    named = case if speed == 1.0 else case.named_slow()
     program = _without_nothing(dialect.prepare(excitation_program(trajectory, case, speed), case), resolution, case)
-    text = dialect.form(dialect.write((*header, *program), case), path.suffix.lower(), case)
+    text = dialect.form(dialect.write((*header, *program), named), path.suffix.lower(), case)
     reading = dialect.read(text, str(path), case)
     guarantees = replace(dialect.guarantees(reading, case), without=left_out(text))
     proof = prove_program(reading, guarantees)
@@ -63,7 +64,7 @@ def proven_program(
     else:
         dialect.same(program, reading, case)
     findings = (*_findings(proof), *override_remarks(reading, guarantees))
-    content = dialect.form(dialect.write((*header, *findings, *program), case), path.suffix.lower(), case)
+    content = dialect.form(dialect.write((*header, *findings, *program), named), path.suffix.lower(), case)
     again = dialect.read(content, str(path), case)
     if not _same_stretches(again, reading):
         raise ProgramError(

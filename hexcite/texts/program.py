@@ -79,9 +79,14 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Für den ersten Versuch oben auch das Programm mit einem Zehntel der Geschwindigkeit schreiben, es fahren und "
         "bis zum Ende beobachten.",
     ),
+    "step_watch": (
+        "This is the slow program: run it, and watch it to its end. It is not recorded.",
+        "Das ist das langsame Programm: es fahren und bis zum Ende beobachten. Es wird nicht aufgezeichnet.",
+    ),
+    "of_plan": ("of the plan {plan}", "zum Plan {plan}"),
     "step_record": (
-        "Start the recorder: forces, struts or joints, and the trigger, 500 Hz or more.",
-        "Aufzeichnung starten: Kräfte, Streben oder Gelenke und Trigger, mindestens 500 Hz.",
+        "Start the recorder, as below: forces, struts or joints, and the trigger.",
+        "Aufzeichnung starten, wie unten: Kräfte, Streben oder Gelenke und Trigger.",
     ),
     "step_run": ("Run the program, then stop the recorder.", "Das Programm fahren, dann die Aufzeichnung beenden."),
     "step_bring": (

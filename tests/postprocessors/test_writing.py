@@ -1,11 +1,13 @@
 """A program leaves hexcite only with the proof that its text keeps every limit."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cases.base.errors import HexciteError, ProgramError
+from cases.controller import SINUMERIK_NAME
 from cases.schema import Case
 from identification.limits.limit import LimitKind
 from identification.limits.proof import prove
@@ -18,6 +20,7 @@ from postprocessors.program import dialect, dialect_of_file
 from postprocessors.reading import Timed
 from postprocessors.writing import APPROACH_SHARE, excitation_program, proven_program
 from tests.helpers import one_line
+from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import proof as reproof
 from tests.postprocessors.programs import read_linuxcnc
 
@@ -67,6 +70,28 @@ def test_at_a_tenth_of_the_speed_the_same_way_takes_ten_times_as_long(motion: Fo
         assert slow.times == pytest.approx(10 * fast.times, rel=1e-7, abs=10e-3)  # a cycle of LinuxCNC at most
         assert np.abs(fast.at(slow.times.clip(max=10 * fast.duration) / 10).coordinates - slow.poses).max() < 1e-3
     assert np.array_equal(paths[0][1].poses, paths[1][1].poses)  # the excitation lasts whole cycles
+
+
+@pytest.mark.parametrize(("name", "title"), [("sinumerik", "%_N_{}_MPF"), ("twincat", "%{}")])
+def test_a_slow_program_has_another_name_in_the_memory_of_a_controller(
+    name: str, title: str, motion: FourierMotion, hexapod_case: Case
+):
+    """Loaded beside each other, the slow one does not replace the other, nor is it started for it."""
+    language = dialect(name)
+    titles = [
+        proven_text(motion, hexapod_case, language, f"a{language.suffix}", ("a",), speed)[0].split("\n")[0]
+        for speed in (1.0, 0.1)
+    ]
+    assert titles == [title.format("HEXCITE"), title.format("HEXCITE_SLOW")]
+
+
+def test_names_of_slow_programs_are_not_too_long(hexapod_case: Case):
+    longest = changed(hexapod_case, controller__sinumerik__program_name="A" * 24)
+    named = longest.named_slow().controller
+    assert named is not None
+    assert named.sinumerik is not None
+    assert re.fullmatch(SINUMERIK_NAME, named.sinumerik.program_name)
+    assert named.sinumerik.program_name.endswith("_SLOW")
 
 
 def test_a_slow_start_keeps_the_limits_with_room_to_spare(motion: FourierMotion, hexapod_case: Case):

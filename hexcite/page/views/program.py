@@ -1,5 +1,6 @@
 """The stage Program: the text of a program, and what its proof says."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -19,8 +20,8 @@ from identification.limits.limit import NAMED, Limit, Status
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Program shows of a machine, for its template."""
     plan = chosen_plan(there.plans, query.get("plan"))
-    programs = [p for p in there.programs if plan is not None and p.plan == plan.name]
-    program = next((p for p in programs if p.name == query.get("program")), programs[0] if programs else None)
+    own = [p for p in there.programs if plan is not None and p.plan == plan.name]
+    program = next((p for p in own if p.name == query.get("program")), own[0] if own else None)
     content, cut = beginning(context.root / program.name) if program is not None else ("", False)
     last = context.jobs.latest(context.machine.key, "post", plan.name) if plan is not None else None
     refused = last is not None and last.state == "failed"
@@ -30,7 +31,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     return {
         "plans": there.plans,
         "chosen": plan,
-        "programs": programs,
+        "programs": there.programs,
         "program": program,
         "lines": _lines(
             context.words, content, last.answer if last is not None and last.state == "done" else None, program
@@ -41,9 +42,9 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "ini": query.get("ini", ""),
         "forms": [form for dialect in context.machine.dialects for form in FORMS.get(dialect, ())],
         "preferred": _dialect_of(last) or (_preferred(plan, context) if plan is not None else ""),
-        "recipe": _recipe(context, plan, program),
+        "recipe": None if _is_slow(content) else _recipe(context, plan, program, content),
         "home": _home(context),
-        "steps": _steps(program),
+        "steps": _steps(program, _is_slow(content)),
         "refused": refused,
         "exceeded": exceeded[:20],
         "answerable": [(kind.replace(" ", "-"), context.words.limit(kind)) for kind in kinds],
@@ -53,6 +54,11 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "remarks": () if written is None else context.words.clauses(written.get("remarks"), written.get("phrases")),
         "limits": [] if written is None else limits(context.words, written.get("limits", {})),
     }
+
+
+_SPEED = re.compile(r" s at speed ([0-9.]+)$", re.MULTILINE)
+_DURATION = re.compile(r" duration ([0-9.]+) s, excitation ")
+"""What the header of a program says of it, where its language has comments."""
 
 
 def _answerable(refused: Job, plan: Made) -> list[str]:
@@ -114,10 +120,18 @@ _WITHOUT_OVERRIDE = frozenset({".csv", ".script", *FORMS["ros2"]})
 """Suffixes of programs of which no feed override or feed hold is promised."""
 
 
-def _steps(program: Program | None) -> tuple[str, ...]:
+def _is_slow(content: str) -> bool:
+    """Whether a program says that it is one to be watched, at a share of the planned speed."""
+    speed = _SPEED.search(content)
+    return speed is not None and float(speed[1]) < 1.0
+
+
+def _steps(program: Program | None, slow: bool) -> tuple[str, ...]:
     """What is done at the machine, as keys of texts."""
     without = program is not None and Path(program.name).suffix.lower() in _WITHOUT_OVERRIDE
     hold = "step_stop" if without else "step_override"
+    if slow:
+        return "step_home", hold, "step_watch"
     return "step_home", hold, "step_slow", "step_record", "step_run", "step_bring"
 
 
@@ -126,7 +140,7 @@ def _home(context: Context) -> str:
     return "" if case is None or case.limits is None else case.words(case.need_motion("home")[0])
 
 
-def _recipe(context: Context, plan: Made | None, program: Program | None) -> Recipe | None:
+def _recipe(context: Context, plan: Made | None, program: Program | None, content: str) -> Recipe | None:
     """How the run of a program is recorded on its controller."""
     from postprocessors.program import DIALECTS
 

@@ -354,6 +354,29 @@ def test_a_program_says_how_its_run_is_recorded(root: Path, case: Case, client: 
     assert "z 900.0" in page
 
 
+def test_a_slow_program_is_watched_and_not_recorded(root: Path, case: Case, client: TestClient):
+    plan_folder(root, case)
+    mark = f"; plan hash {there(root).plans[0].fingerprint[:16]}\n"
+    (root / "slow.mpf").write_text(
+        f"; plan mill-plan: ptp, 12 s at speed 0.1\n{mark}; duration 150.2 s, excitation 120 s\n"
+    )
+    assert "slow-recording" not in client.get("/m/+mill/program").text
+    (root / "run.mpf").write_text(f"; plan mill-plan: ptp, 12 s at speed 1\n{mark}; duration 55.2 s, excitation 52 s\n")
+    page = client.get("/m/+mill/program?program=run.mpf").text
+    assert "run-recording.xml" in page
+    assert re.search(r"about 75\ss,", page)  # and some before and after
+
+
+def test_programs_of_other_plans_stay_in_sight(root: Path, case: Case, client: TestClient):
+    plan_folder(root, case)
+    (root / "run.mpf").write_text(f"; plan hash {there(root).plans[0].fingerprint[:16]}\n")
+    later = plan_folder(root, case, "mill-plan-2") / "plan.json"
+    later.write_text(json.dumps(json.loads(later.read_text()) | {"duration_s": 13.0}))
+    page = client.get("/m/+mill/program?plan=mill-plan-2").text
+    assert "program=run.mpf" in page
+    assert "Download" not in page
+
+
 def test_a_plan_that_is_being_written_is_not_shown(root: Path, case: Case):
     plan_folder(root, case, ".mill-plan.hexcite.part")
     assert not there(root).plans
