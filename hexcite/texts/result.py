@@ -7,6 +7,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "results": ("Results", "Ergebnisse"),
     "verdict_good": ("Nothing speaks against this run.", "Nichts spricht gegen diesen Lauf."),
+    "verdict_fails": ("The result fails acceptance", "Das Ergebnis besteht die Abnahme nicht"),
     "verdict_doubt": ("Look at this before you use the values", "Vor der Nutzung der Werte ansehen"),
     "verdict_counted": ("Usable: the deviations allow for this", "Nutzbar: Die Abweichungen berücksichtigen dies"),
     "verdict_simulated": ("A rehearsal: sensors were simulated.", "Eine Probe: Die Sensoren waren simuliert."),

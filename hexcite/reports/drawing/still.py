@@ -165,8 +165,20 @@ def machine_figure(scene: Scene) -> Figure:
             axes: Axes3D = figure.add_subplot(-(-len(frames) // columns), columns, place, projection="3d")
             _draw_machine(axes, scene, int(k), small=len(frames) > 1)
         handles, names = figure.axes[0].get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside upper left", ncols=6)
+        figure.legend(handles, names, loc="outside upper left", ncols=_beside(names, columns * side))
     return figure
+
+
+LETTER, HANDLE = 0.075, 0.5  # widths in a legend: of a letter, and of a line with the room beside it [inch]
+
+
+def _beside(names: Sequence[str], width: float) -> int:
+    """How many names of a legend stand beside each other in a width [inch]; columns are as wide as their names."""
+    for count in range(min(6, len(names)), 1, -1):
+        columns = np.array_split([len(name) for name in names], count)
+        if sum(HANDLE + LETTER * max(column) for column in columns) <= width:
+            return count
+    return 1
 
 
 def _draw_machine(axes: Axes3D, scene: Scene, k: int, small: bool) -> None:

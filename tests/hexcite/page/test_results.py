@@ -63,6 +63,8 @@ def test_limits_are_judged_and_stated(client: TestClient, root: Path) -> None:
     assert stated.noise_times == 1.7
     page = client.get("/m/+mill/result?result=res").text
     assert "Acceptance: FAIL" in page
+    headline = page[page.index('class="verdict doubt"') : page.index("Acceptance: FAIL")]
+    assert "mass (m)" in headline  # above what the run says of itself
     assert "Out of date" not in page
     wrong = form | {"accept.reference.mass_kg": "2"}  # without its uncertainty
     answer = client.post("/m/+mill/do/state", data=wrong)

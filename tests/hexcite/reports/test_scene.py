@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.schema import load_case
 from hexcite.reports.drawing.scene import Part, Scene, moving_machine, posing_machine
-from hexcite.reports.drawing.still import machine_picture
+from hexcite.reports.drawing.still import machine_figure, machine_picture
 from hexcite.reports.page import Head, page, section
 from identification.limits.chain import chain_frames
 from identification.motion.motion import StandingPoses
@@ -107,3 +107,12 @@ def test_poses_are_shown_with_their_orientations_as_in_figure_4():
             assert (line[1] - line[0]) / np.linalg.norm(line[1] - line[0]) == pytest.approx(turn[:, k])
     moving = moving_machine(case, Harmonic(seed=3, duration=2.0))
     assert not [part for part in moving.parts if "at the poses" in part.name]
+
+
+def test_the_legend_of_a_picture_of_poses_is_not_cut():
+    case = load_case("hexapod")
+    figure = machine_figure(posing_machine(case, np.tile(case.need_motion("poses")[0], (6, 1))))
+    figure.canvas.draw()
+    (legend,) = figure.legends
+    assert len(legend.get_texts()) == 7
+    assert legend.get_window_extent().x1 <= figure.bbox.x1  # type: ignore[no-untyped-call]
