@@ -258,7 +258,7 @@ class _Run:
         return self.program.unknowns <= FEW
 
     def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
-        """Runs the solver, in a refinement anew from before an iterate that exceeds limits by far where it has no rows.
+        """Runs the solver, of a spline anew from before an iterate that exceeds limits by far where it has no rows.
 
         Args:
             iterations: at most; what is begun anew has as many as mending has.
@@ -292,7 +292,8 @@ class _Run:
         program = replace(self.program, convex=convex or not (task.of_moves or (task.refine and not self.few)))
         usual = Solver.ACTIVE_SET if self.few and not (task.of_moves or task.refine) else Solver.IPOPT
         solver = task.solver or usual
-        beyond = self.beyond if task.refine else None
+        # moves and series, whose states are few, have not been seen to go far beyond what they have no rows for
+        beyond = self.beyond if task.refine and not (task.of_moves or self.few) else None
         solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver, beyond)
         self.iterations += count
         self.converged = self.status.converged and bool(np.isfinite(solution).all())

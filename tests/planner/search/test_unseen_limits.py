@@ -60,6 +60,7 @@ def test_a_refinement_comes_back_from_limits_that_it_did_not_see(
     runs.clear()
     monkeypatch.setattr(NonlinearProgram, "with_rows_near", without_rows)
     monkeypatch.setattr(solving, "UNSEEN", UNSEEN)
+    monkeypatch.setattr(solving, "FEW", 0)  # as splines of many intervals
     refined = run_start(replace(task, begin=explored.begin))
     beyond = [k for k, (_, status, _) in enumerate(runs) if status is SolverStatus.BEYOND]
     assert beyond
