@@ -149,11 +149,11 @@ def _recipe(context: Context, plan: Made | None, program: Program | None, conten
         return None
     suffix = Path(program.name).suffix.lower()
     dialect = next((name for name, language in DIALECTS.items() if suffix in language.suffixes), None)
-    return (
-        None
-        if dialect is None
-        else recipe(case, dialect, f"{Path(program.name).stem}-recording", float(plan.record["duration_s"]))
-    )
+    if dialect is None:
+        return None
+    duration = _DURATION.search(content)
+    seconds = float(plan.record["duration_s"] if duration is None else duration[1])
+    return recipe(case, dialect, f"{Path(program.name).stem}-recording", seconds)
 
 
 def _lines(
