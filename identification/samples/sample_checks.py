@@ -124,7 +124,8 @@ def bridged(values: Array, bad: Flags) -> Array:
 def missing_values(stream: Stream) -> list[Finding]:
     """Values that were not measured, and samples that were lost."""
     findings, every = [], stream.lines.every
-    inserted = _at(np.array([k // every for k in stream.lines.inserted if k % every == 0], dtype=int), stream.rows)
+    rows = [k // every for k in stream.lines.inserted if k % every == 0]
+    inserted = _at(np.array([row for row in rows if row < stream.rows], dtype=int), stream.rows)  # of a part of a run
     if np.any(stream.bad & ~inserted):
         names = ", ".join(dict.fromkeys(stream.missing_in))
         findings.append(

@@ -29,6 +29,17 @@ def test_the_printed_table_is_toml_that_reads_the_file(tmp_path: Path) -> None:
     assert (tmp_path / "look.svg").read_text().lstrip().startswith("<?xml")
 
 
+def test_numbers_that_nothing_measures_are_left_out_of_what_columns_look_like(tmp_path: Path) -> None:
+    """Differences and squares of them overflow; a reader takes them for missing too."""
+    rows = [f"{k / 10},{(-1) ** k * 1.7e308},{k % 7 + 0.5}" for k in range(60)]
+    file = tmp_path / "odd.csv"
+    file.write_text("\n".join(rows) + "\n")
+    answer = hexcite("look", file, "--json")
+    assert answer.code in (0, 1)
+    assert "1.7e308" not in answer.out
+    assert "overflow" not in answer.out + answer.err
+
+
 def test_json_says_the_same(tmp_path: Path) -> None:
     answer = call("look", _recording(tmp_path), "--case", "ft_wrist", "-o", tmp_path / "look.png", "--json").json()
     assert answer["reads"]

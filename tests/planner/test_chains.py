@@ -136,8 +136,9 @@ def test_the_page_warns_of_nothing_that_nobody_can_change(plans: Plans):
     """No bound of a chain is proven, whatever its user does."""
     plan = plans[6]
     page = plan_page(plan)
-    warned = re.findall(r'(?s)<ul class="warnings".*?</ul>', page)
-    assert not any("bound" in words or "estimate" in words for words in warned)
+    (verdict,) = re.findall(r'(?s)<p class="verdict.*?</p>', page)
+    assert "bound" not in verdict
+    assert "estimate" not in verdict
     assert "(an estimate)" in page
 
 

@@ -20,7 +20,7 @@ from identification.recording.formats.recorders import halsampler, plain
 from identification.recording.formats.recorders.known import TextFormat, described, format_of
 from identification.recording.formats.recorders.plain import SAMPLE
 from identification.recording.formats.ros.echoed import echoed_names
-from identification.recording.formats.table import MOST_MISSING
+from identification.recording.formats.table import LARGEST, MOST_MISSING
 from identification.recording.formats.text_layout import Layout, cells
 from identification.recording.formats.words import (
     EMPTY,
@@ -99,7 +99,9 @@ def look_at_text(file: Path, stated: FileFormat | None = None) -> TextColumns:
     settings |= _stated(text_format, layout, clock) if stated is None else {}
     dated = {} if clock is not None else _dates(text_format, content, layout, rows, numeric_fields)
     lines = tuple(line.decode(layout.form.encoding, "replace") for line in content.head()[: layout.form.header_rows])
-    return TextColumns(names, units, numbers | dated, settings, clock, frozenset(dated), lines)
+    measured = {k: np.where(np.abs(column) < LARGEST, column, np.nan) for k, column in numbers.items()}
+    filled_columns = {k: column for k, column in measured.items() if np.isfinite(column).any()}
+    return TextColumns(names, units, filled_columns | dated, settings, clock, frozenset(dated), lines)
 
 
 def _dates(

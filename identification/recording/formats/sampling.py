@@ -42,7 +42,13 @@ def on_equal_steps(stream: Stream, period: float | None = None) -> Stream | Unst
         return stream
     even = evened(stream.t, period)
     if isinstance(even, Unsteady):
-        return even if even.backwards else stream
+        repeated = np.diff(stream.t) <= 0.0
+        if even.backwards or not repeated.any():
+            return even if even.backwards else stream
+        problem = (
+            f"is not later than the time stamp above it, and stamps of no one rate do not say when: {even.problem}"
+        )
+        return Unsteady(1 + int(np.argmax(repeated)), problem, even.remedy, backwards=True)
     at_stamps = even.strays and period is None and _taken_when_stamped(stream, stream.t, even)
     findings = (*stream.findings, *_about(stream, even, at_stamps))
     if at_stamps:

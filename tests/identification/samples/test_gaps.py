@@ -1,6 +1,7 @@
 """Damage in the middle of a moving run costs what the filter makes of it, and nothing else: sections stand alone."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from identification.results.estimate import Estimate, entries_of
 from identification.results.force import force as over_recording
 from identification.results.result import Result
 from identification.samples.moving_window import moving_run
-from identification.samples.sample_checks import scan
+from identification.samples.sample_checks import missing_values, scan
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, few, refused_at, tells
 from tests.simulated_machine import PoseExecution
@@ -169,3 +170,14 @@ def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Pat
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))
     assert np.abs(force.wrench).max() <= np.abs(before.wrench).max() * (1.0 + 1e-6)
     assert any("80 samples are missing" in w for w in force.warnings)
+
+
+def test_rows_that_a_part_of_a_run_no_longer_has_are_not_counted_in_it(lines: list[str], tmp_path: Path) -> None:
+    recording = read(damaged(lines, tmp_path, without(1500, 1502)), CASE)
+    (first, second) = recording.lines.inserted
+    assert second == first + 1
+    assert [f.sentence for f in missing_values(recording)] == [
+        "behind line 1499: 2 samples are missing; bridged from their neighbours"
+    ]
+    cut = replace(recording, lines=replace(recording.lines, inserted=(first, second, recording.rows)))
+    assert [f.sentence for f in missing_values(cut)] == [f.sentence for f in missing_values(recording)]

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.base.errors import RecordingError
+from cases.base.errors import Code, RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
 from identification.finding import Finding
 from identification.identify import identify
@@ -147,6 +147,17 @@ def test_where_two_rates_meet_is_named() -> None:
         assert isinstance(found, Unsteady)
         assert abs(found.row - 1200) < 120, rate
         assert not found.backwards
+
+
+def test_stamps_that_repeat_at_no_one_rate_are_no_clock(tmp_path: Path) -> None:
+    """Half of the run at another rate, and digits that are too few to say when: rows would stand at one instant."""
+    stamps = np.concatenate([T[:1000], T[999] + 20.0 * (T[1000:] - T[999])])
+    file = written(tmp_path, table(seconds(stamps, 2)))
+    with pytest.raises(RecordingError) as error:
+        read(file, CASE)
+    assert error.value.code is Code.CLOCK
+    assert "line 3, t_s" in str(error.value)
+    assert "40 ms" in str(error.value)
 
 
 def test_two_runs_in_one_file_are_named_with_the_first_row_of_the_second() -> None:
