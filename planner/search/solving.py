@@ -292,7 +292,7 @@ class _Run:
         program = replace(self.program, convex=convex or not (task.of_moves or (task.refine and not self.few)))
         usual = Solver.ACTIVE_SET if self.few and not (task.of_moves or task.refine) else Solver.IPOPT
         solver = task.solver or usual
-        # moves and series, whose states are few, have not been seen to go far beyond what they have no rows for
+        # splines were found far beyond limits that they have no rows for; of moves and series nobody has looked
         beyond = self.beyond if task.refine and not (task.of_moves or self.few) else None
         solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver, beyond)
         self.iterations += count
