@@ -96,6 +96,11 @@ ERRORS = {
     "mend_sensor": (
         "den Sensor in Ordnung bringen und neu aufzeichnen, oder die Maschine nennen, die aufgezeichnet wurde"
     ),
+    "kept_unit": "recording.units.forces der Maschine sagt {kept}; damit sind {share} % der Werte unbrauchbar: Kräfte "
+    "bis {largest} N, der Bereich ist {most} N",
+    "unit_in_range": "keine Bezeichnung nennt eine Einheit, und in {unit} liegen die Kräfte im Bereich",
+    "unit_of_labels": "die Einheit ist die der Bezeichnungen",
+    "mass_of_forces_unit": "die Kräfte sind in {unit}",
     "negative_mass": "Die Masse ergibt sich zu {mass} ± {std} kg",
     "check_signs": "Vorzeichen der Kräfte, sensor_frame.transducer.sense und gravity_m_s2 der Maschine prüfen",
     "no_delay": "Keine Verzögerung bis {most} ms bringt Kräfte und Bewegung zusammen",

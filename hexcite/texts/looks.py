@@ -31,6 +31,10 @@ LOOKS = {
     "{unit}, das sind {rate} Zeilen je Sekunde: recording.clock.unit",
     "joints_far": "{names}: in {wrong} sind die Gelenke weit von der Grundstellung oder über ihren Enden, in {unit} "
     "nicht; sind sie in {unit}, recording.units.{role} = '{unit}' angeben",
+    "label_over_kept": "{names}: die Datei sagt {unit}, {key} der Maschine, das von einer anderen Datei ist, sagt "
+    "{kept}; vorgeschlagen wird {unit}",
+    "kept_out_of_range": "{names}: in {kept}, das recording.units.forces von einer anderen Datei hat, liegen sie über "
+    "dem Bereich von {most} N; keine Bezeichnung nennt eine Einheit, und {unit} passt: es wird vorgeschlagen",
     "what_a_1_is": "was eine 1 von jedem in der Einheit unseres Namens ist",
     "range_over_100": "den Bereich jedes Sensors durch 100",
     "range_of_case": "den Bereich jedes Sensors durch 100, nach [sensors] der Maschine",

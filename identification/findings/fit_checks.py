@@ -9,8 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cases.base.errors import Code, IdentificationError
+from cases.base.errors import Code, IdentificationError, Remedy, Write
 from cases.base.phrases import phrase, said
+from cases.recording_format import ROLE_UNITS, Role
 from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.estimation.nearest_body import nearest_body
@@ -153,8 +154,13 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     rods = 6 * struts.rod_mass_kg if struts is not None and struts.at == "drive" else 0.0
     nominal, *_ = masses = [body.mass_kg + rods for body in case.bodies]
     if low < mass / nominal < high or low < nominal / max(mass, GRAM) < high:
-        unit = "kN" if mass < nominal else "mN"
-        raise IdentificationError(
+        units, form = ROLE_UNITS[Role.FORCES], case.recording
+        kept = form.units.get(Role.FORCES)
+        now = units[units.symbol(kept or units.usual) or units.usual]
+        wanted = now * (1e3 if mass < nominal else 1e-3)
+        unit = next((name for name, value in units.items() if np.isclose(value, wanted)), None)
+        unit = unit or ("kN" if mass < nominal else "mN")
+        error = IdentificationError(
             problem=phrase(
                 "forces_in_unit",
                 "the mass comes out as {mass} kg where nominal.mass_kg makes {nominal}: forces seem to be in {unit}",
@@ -165,6 +171,12 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
             remedy=phrase("set_forces_unit", "set recording.units.forces = '{unit}' in the case", unit=unit),
             code=Code.UNIT,
         )
+        # Forces and mass are proportional: tried, the key makes this mass that of a body that is expected.
+        then = mass * units[unit] / now
+        if kept is not None and min(abs(then - one) / one for one in masses) <= OTHER_MASS and not form.files:
+            words = phrase("mass_of_forces_unit", "forces are in {unit}", unit=unit)
+            error.remedies = (Remedy(words, (Write(("recording", "units", "forces"), unit),)),)
+        raise error
     expected = min(masses, key=lambda body_mass: abs(mass - body_mass))
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []

@@ -9,15 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.base.errors import Code, RecordingError
+from cases.base.errors import Code, RecordingError, Remedy, Write
 from cases.base.phrases import NOTHING, Phrase, phrase
 from cases.base.units import MM, Array, Flags, Indices
 from cases.machine import MotionLimits
-from cases.recording_format import CLOCK
+from cases.recording_format import CLOCK, ROLE_UNITS, Role
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.recording.formats.clocks import lost_samples
 from identification.recording.formats.names.misnamed import SMOOTH
+from identification.recording.formats.quantities import CONTRADICTED
 from identification.recording.formats.sampling import spread
 from identification.recording.formats.table import Lines, Stream
 from identification.recording.recording import Recording
@@ -77,22 +78,11 @@ def scan(recording: Recording, case: Case) -> CleanRun:
     """
     if recording.t is None:
         _require_standstills(recording, case)
-    bad, findings = recording.bad.copy(), list(unmeasured(recording))
-    channels = (_clipped(recording, case), _silent(recording), _jumping(recording, case))
-    for thing, problems in (*(("channel", [*alike]) for alike in channels), ("strut", [*_leaping(recording, case)])):
-        if problems:  # one finding for all that err alike, in full for the one with the most rows
-            number, text, _ = max(problems, key=lambda problem: int(problem[2].sum()))
-            others = ", ".join(str(k) for k, *_ in problems if k != number)
-            names = {"thing": phrase("a_channel", "channel") if thing == "channel" else phrase("a_strut", "strut")}
-            also = phrase("also_others", " (likewise {thing} {others})", others=others, **names) if others else NOTHING
-            rows = np.any([rows for *_, rows in problems], axis=0)
-            sentence = phrase(
-                "damaged", "{thing} {number} {what}{also}; left out", number=number, what=text, also=also, **names
-            )
-            findings.append(warning(Kind.DAMAGE, sentence, places(recording.lines, rows)))
-            bad |= rows
-    findings += _outside(recording, case)
+    bad, damage = _damage(recording, case)
+    findings = [*unmeasured(recording), *damage, *_outside(recording, case)]
     if bad.mean() > MOST_BAD:
+        if (error := _in_kept_unit(recording, case, float(bad.mean()))) is not None:
+            raise error
         raise RecordingError(
             place=recording.source,
             problem=phrase(
@@ -108,6 +98,69 @@ def scan(recording: Recording, case: Case) -> CleanRun:
             code=Code.DAMAGED,
         ).in_doubt()
     return CleanRun(replace(recording, missing=bad), tuple(findings))
+
+
+def _damage(recording: Recording, case: Case) -> tuple[Flags, list[Finding]]:
+    """Samples that no estimate may use, shape (n,), and findings about those that were measured."""
+    bad, findings = recording.bad.copy(), list[Finding]()
+    channels = (_clipped(recording, case), _silent(recording), _jumping(recording, case))
+    for thing, problems in (*(("channel", [*alike]) for alike in channels), ("strut", [*_leaping(recording, case)])):
+        if problems:  # one finding for all that err alike, in full for the one with the most rows
+            number, text, _ = max(problems, key=lambda problem: int(problem[2].sum()))
+            others = ", ".join(str(k) for k, *_ in problems if k != number)
+            names = {"thing": phrase("a_channel", "channel") if thing == "channel" else phrase("a_strut", "strut")}
+            also = phrase("also_others", " (likewise {thing} {others})", others=others, **names) if others else NOTHING
+            rows = np.any([rows for *_, rows in problems], axis=0)
+            sentence = phrase(
+                "damaged", "{thing} {number} {what}{also}; left out", number=number, what=text, also=also, **names
+            )
+            findings.append(warning(Kind.DAMAGE, sentence, places(recording.lines, rows)))
+            bad |= rows
+    return bad, findings
+
+
+def _in_kept_unit(recording: Recording, case: Case, bad: float) -> RecordingError | None:
+    """The error where the unit that the case keeps for forces makes a run useless, and another, tried, does not.
+
+    Args:
+        bad: share of the samples that are unusable.
+    """
+    form, most = case.recording, case.sensors.range_N
+    kept = form.units.get(Role.FORCES)
+    channels = case.sensor_frame.channels[: 3 if case.sensor_frame.has_moments else 6]
+    if kept is None or most is None or form.files or form.scale.keys() & {*channels}:
+        return None
+    units = ROLE_UNITS[Role.FORCES]
+    contradictions = (f.quantity.get(CONTRADICTED) for f in recording.findings)
+    labels = [entries["says"] for entries in contradictions if entries and entries["key"] == "recording.units.forces"]
+    unit = units.symbol(labels[0]) if labels else units.usual
+    if unit is None or units[unit] == units[units.symbol(kept) or kept]:
+        return None
+    forces = recording.forces.copy()
+    forces[:, : len(channels)] *= units[unit] / units[units.symbol(kept) or kept]
+    if _damage(replace(recording, forces=forces), case)[0].mean() > MOST_BAD:
+        return None
+    fits = (
+        phrase("unit_of_labels", "the unit is that of the labels")
+        if labels
+        else phrase("unit_in_range", "no label states a unit, and in {unit} forces are within the range", unit=unit)
+    )
+    error = RecordingError(
+        place=recording.source,
+        problem=phrase(
+            "kept_unit",
+            "recording.units.forces of the case says {kept}, in which {share} % of the samples are unusable: forces of "
+            "up to {largest} N, the range is {most} N",
+            kept=kept,
+            share=f"{100 * bad:.0f}",
+            largest=f"{np.nanmax(np.abs(recording.forces[:, : len(channels)])):.4g}",
+            most=f"{most:g}",
+        ),
+        remedy=phrase("set_forces_unit", "set recording.units.forces = '{unit}' in the case", unit=unit),
+        code=Code.UNIT,
+    )
+    error.remedies = (Remedy(fits, (Write(("recording", "units", "forces"), unit),)),)
+    return error
 
 
 def unmeasured(recording: Recording) -> tuple[Finding, ...]:

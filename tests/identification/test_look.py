@@ -503,3 +503,54 @@ def test_a_folder_of_a_run_means_its_recording_and_other_folders_are_refused(
     (tmp_path / "other" / "deeper" / "recording.csv").mkdir()
     with pytest.raises(RecordingError, match=r"deeper.*it is a folder"):
         look([tmp_path / "other" / "deeper"], hexapod_case)
+
+
+OF_ANOTHER_FILE = {"columns": {f"f{k}_N": f"Axis{k}.Force" for k in range(1, 7)}, "filter_cutoff_Hz": 40.0}
+
+
+@pytest.mark.parametrize(("label", "factor", "kept"), [("kN", 1e-3, "N"), ("N", 1.0, "kN")])
+def test_a_label_counts_before_a_unit_that_is_kept_of_another_file(
+    label: str, factor: float, kept: str, hexapod_case: Case, tmp_path: Path
+) -> None:
+    """The proposal reads the forces that were recorded, and says that the kept key changes."""
+    table = run(hexapod_case)
+    head = _named("Zeit [ms]", "Strebe # [mm]", f"Kraft # [{label}]", "Trigger")
+    file = Written("run.csv", [head], time=1e3, force=factor).write(table, tmp_path)
+    stated = RecordingFormat.model_validate({**OF_ANOTHER_FILE, "units": {"forces": kept}})
+    found = look(file, hexapod_case.model_copy(update={"recording": stated}))
+    assert found.reads, found.odd
+    (said,) = [line for line in found.odd if "recording.units.forces" in line]
+    assert "label_over_kept" in {entry["code"] for entry in found.to_json()["odd_phrases"]}, said
+    form = RecordingFormat.model_validate(dict(found.settings))
+    recording = read([file], hexapod_case.model_copy(update={"recording": form}))
+    assert np.allclose(recording.forces, table[:, 7:13], atol=1e-5)
+    again = look(file, hexapod_case.model_copy(update={"recording": form}))
+    assert again.unchanged
+    assert not [line for line in again.odd if "recording.units.forces" in line]
+
+
+def test_a_label_that_values_exclude_does_not_count_before_a_kept_unit(hexapod_case: Case, tmp_path: Path) -> None:
+    """Labels say mm, the values are lengths of this machine in m only, as the case says."""
+    head = _named("Zeit [ms]", "Strebe # [mm]", "Kraft # [N]", "Trigger")
+    file = Written("run.csv", [head], time=1e3, length=1e-3).write(run(hexapod_case), tmp_path)
+    stated = RecordingFormat.model_validate({**OF_ANOTHER_FILE, "units": {"struts": "m"}})
+    found = look(file, hexapod_case.model_copy(update={"recording": stated}))
+    assert found.reads, found.odd
+    assert found.settings["units"] == {"struts": "m"}
+
+
+def test_a_kept_unit_that_puts_every_force_out_of_range_goes(hexapod_case: Case, tmp_path: Path) -> None:
+    """No label states a unit: that which fits the sensors' range is proposed, and named beside the kept one."""
+    table = run(hexapod_case)
+    file = Written("run.csv", [_named("Zeit [ms]", "Strebe # [mm]", "F#", "Trigger")], time=1e3).write(table, tmp_path)
+    stated = RecordingFormat.model_validate({**OF_ANOTHER_FILE, "units": {"forces": "kN"}})
+    case = hexapod_case.model_copy(update={"recording": stated})
+    assert case.sensors.range_N is not None
+    found = look(file, case)
+    assert found.reads, found.odd
+    assert "forces" not in found.settings.get("units", {})
+    (said,) = [line for line in found.odd if "recording.units.forces" in line]
+    assert "kept_out_of_range" in {entry["code"] for entry in found.to_json()["odd_phrases"]}, said
+    form = RecordingFormat.model_validate(dict(found.settings))
+    recording = read([file], case.model_copy(update={"recording": form}))
+    assert np.allclose(recording.forces, table[:, 7:13], atol=1e-5)

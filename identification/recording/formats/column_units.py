@@ -75,8 +75,9 @@ class _Draft:
         """The unit of each column: as the case states, as its label does, as its values say, as our name has it."""
         values = {ours: self.numbers[k] for ours, k in self.columns.places.items() if k in self.numbers}
         by_values = dict(units_of_values(values, self.case))
+        labels = labels_of(self.table, self.columns)
         for ours, k in self.columns.places.items():
-            label = _stated_unit(ours, self.columns.names[k], self.table.units[k] if k < len(self.table.units) else "")
+            label = labels[ours]
             self.units[ours], self.reasons[ours] = self._unit(ours, k, label, by_values)
             if ours == CLOCK and label is not None and label.symbol is not None and label.counts != 1.0:
                 self.counts = label.counts
@@ -220,6 +221,15 @@ class _Draft:
                     keys=stated or f"recording.scale = {{ {keys} }}",
                 )
             )
+
+
+def labels_of(table: TextColumns, columns: ColumnPlaces) -> dict[str, StatedUnit | None]:
+    """The unit that the file states for each column of ours; None where it states none."""
+    units = table.units
+    return {
+        ours: _stated_unit(ours, columns.names[k], units[k] if k < len(units) else "")
+        for ours, k in columns.places.items()
+    }
 
 
 def _usual_unit(ours: str) -> str:

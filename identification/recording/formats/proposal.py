@@ -1,7 +1,8 @@
 """The table `[recording]` that reads a file of unknown format: from its names, its numbers, and what the case states.
 
-What the case states counts before what names say, and names before what values say. Each guess, and each doubt, is a
-sentence.
+What the case states counts before what names say, and names before what values say; of a file that the case does not
+read, the units that its labels state count before those that the case keeps of another file. Each guess, and each
+doubt, is a sentence.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,7 +27,8 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from identification.recording.formats.column_places import ColumnPlaces, column_places
-from identification.recording.formats.column_units import ColumnUnits, column_units
+from identification.recording.formats.column_units import ColumnUnits, column_units, labels_of
+from identification.recording.formats.kept_units import for_this_file
 from identification.recording.formats.layout import TextColumns
 from identification.recording.formats.reasons import NO_REASON, Reason, Why, because
 from identification.recording.formats.stated_rates import stated_step
@@ -83,12 +85,15 @@ def proposed(table: TextColumns, case: Case | None, as_stated: bool = False) -> 
     stated: dict[str, Any] = {} if case is None else stated_of(case.recording)
     layout, names = _named(table, stated)
     columns = column_places(table, case, stated, names)
+    kept: tuple[Phrase, ...] = ()
+    if not as_stated:
+        stated, kept = for_this_file(case, stated, columns, labels_of(table, columns))
     units = column_units(table, case, stated, columns)
     draft = _Settings(table, stated, columns, units, as_stated)
     settings = draft.of(layout)
     return Proposal(
         columns.places, units.units, frozenset(units.guessed), names, settings,
-        tuple(dict.fromkeys([*columns.doubts, *units.doubts, *draft.doubts])),
+        tuple(dict.fromkeys([*columns.doubts, *kept, *units.doubts, *draft.doubts])),
         rate_of(columns.places, units.units, units.numbers, settings), columns.reasons,
         {**units.reasons, CLOCK: draft.clock_reason} if draft.clock_reason else units.reasons,
         dict(draft.why(settings)), units.clock_counts,

@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.base.errors import Code, RecordingError
+from cases.base.errors import Code, RecordingError, Remedy, Write
 from cases.base.phrases import NOTHING, phrase
 from cases.base.unit_names import is_share, is_unit
 from cases.base.units import Array
-from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, TICKS, WRENCH, Role
+from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, TICKS, WRENCH, RecordingFormat, Role
 from identification.finding import Finding, Kind, note, warning
 from identification.recording.formats.names.families import words_of
 from identification.recording.formats.names.labels import StatedUnit, counted, is_count, stated_unit
@@ -22,6 +22,7 @@ from identification.recording.formats.table import ColumnTable, shown
 
 _FORCES = (*BAR_FORCES, *WRENCH)
 _ENOUGH = 1000  # rows that show whether numbers are whole
+MOST_BEYOND = 0.3  # share of a channel's readings beyond its range, from which on its unit cannot be right
 
 
 def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
@@ -77,12 +78,41 @@ def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
         for role, columns in by_label.items()
     ]
     findings += [
-        contradiction(f"recording.units.{role}", _labels(columns), _symbols(columns), form.units[role], table.source)
+        replace(
+            contradiction(
+                f"recording.units.{role}", _labels(columns), _symbols(columns), form.units[role], table.source
+            ),
+            remedies=_by_label(table, role, columns, ranges),
+        )
         for role, columns in contradicted.items()
     ]
     tick, of_clock = _tick(table)
     all_findings = (*table.findings, *findings, *of_clock, *_whole_forces(table), *_no_readings(table))
     return replace(table, factors=factors, tick=tick, findings=all_findings)
+
+
+def fits_range(forces: Array, most: float) -> bool:
+    """Whether readings, shape (n,) or (n, k) [N], are within a sensor's range [N], but for a few."""
+    known = forces[np.isfinite(forces)]
+    return not known.size or bool(np.mean(np.abs(known) >= most) <= MOST_BEYOND)
+
+
+def force_unit_in_range(forces: Array, kept: str, most: float) -> str | None:
+    """The unit that fits a sensor's range where the kept one does not: that of our names; None where that is no help.
+
+    >>> force_unit_in_range(np.array([120.0, -80.0, 95.0]), "kN", 5000.0)
+    'N'
+
+    Args:
+        forces: readings as the file has them, shape (n,) or (n, k).
+        kept: unit that the case keeps.
+        most: range of a sensor [N].
+    """
+    units = ROLE_UNITS[Role.FORCES]
+    symbol = units.symbol(kept) or units.usual
+    if symbol == units.usual or fits_range(forces * units[symbol], most):
+        return None
+    return units.usual if fits_range(forces * units[units.usual], most) else None
 
 
 CONTRADICTED = "contradicted"
@@ -103,6 +133,27 @@ def contradiction(key: str, labels: str, says: str, used: str, source: str = "",
     sentence = f"the file says {says} of {labels}, {key} {whose} says {used}, which is used; correct one of them"
     entries = {"key": key, "labels": labels, "says": says, "used": used}
     return warning(Kind.FORMAT, sentence, source, contradicted=entries)
+
+
+def _by_label(
+    table: ColumnTable, role: Role, columns: Sequence[tuple[str, StatedUnit]], ranges: Array | None
+) -> tuple[Remedy, ...]:
+    """The key by which forces are read in the unit of their labels, tried: they are within their ranges then."""
+    symbols = {stated.symbol for _, stated in columns if not stated.several}
+    named = [ours for ours in table.values if ROLE_OF.get(ours) is role and ours in _FORCES]
+    if len(symbols) != 1 or len(columns) != len(named) or ranges is None or not isinstance(table.form, RecordingFormat):
+        return ()
+    symbol = symbols.pop()
+    if symbol is None:
+        return ()
+    most = float(ranges[0 if role is Role.FORCES else 3])
+    if not all(fits_range(table.values[ours] * ROLE_UNITS[role][symbol], most) for ours in named):
+        return ()
+    return (
+        Remedy(
+            phrase("unit_of_labels", "the unit is that of the labels"), (Write(("recording", "units", role), symbol),)
+        ),
+    )
 
 
 def _stated(table: ColumnTable, ours: str) -> StatedUnit | None:
