@@ -73,14 +73,21 @@ def alone(name: str, seeds: int) -> Iterator[tuple[str, Sequence[Mistake], int]]
         yield from ((mistake.name, (mistake,), seed) for seed in range(seeds))
 
 
+_BEFORE = ("sensor", "gravity", "point", "axes")
+"""What happens to a wrench before a recorder has it: where the sensor is, then what a controller makes of it."""
+
+
+def _happens(mistake: Mistake) -> int:
+    """Where in the way of a wrench a mistake is made; those of the recorder and of the case last."""
+    return _BEFORE.index(mistake.of) if mistake.of in _BEFORE else len(_BEFORE)
+
+
 def in_pairs(name: str, pairs: int, seeds: int) -> Iterator[tuple[str, Sequence[Mistake], int]]:
     """A seeded sample of pairs of mistakes that concern different things."""
     draw = np.random.default_rng(36)
     possible = [pair for pair in combinations(mistakes_of(name), 2) if pair[0].of != pair[1].of]
     for k in draw.permutation(len(possible))[:pairs]:
-        one, other = sorted(
-            possible[int(k)], key=lambda mistake: mistake.of != "sensor"
-        )  # turned before it is recorded
+        one, other = sorted(possible[int(k)], key=_happens)
         yield from ((f"{one.name} + {other.name}", (one, other), seed) for seed in range(seeds))
 
 
