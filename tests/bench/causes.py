@@ -34,7 +34,7 @@ from tests.mistaken.mistakes import Mistake, mistakes_of, others_of
 RIGHT, AMONG, SAME, NONE = "right", "among others", "the same forces", "none named"
 QUIET, WRONG = "near the noise", "WRONG"
 KINDS = (RIGHT, AMONG, SAME, NONE, QUIET, WRONG)
-EQUAL = 2e-2  # of residuals: a size that is found lowers them, of few standstills most; turned channels have other noise
+EQUAL = 2e-2  # of residuals: sizes that are found lower those of few standstills, turned channels have other noise
 
 
 def named(run: Run, mistakes: Sequence[Mistake]) -> tuple[str, float, str]:
