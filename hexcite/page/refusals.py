@@ -30,6 +30,14 @@ class Unfit(Refusal):
     """A field that cannot be used."""
 
 
+class NoRecording(Unfit):
+    """A program in the place of a recording; `name`: of its file."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__("is_program", name=name)
+
+
 class Refused(Refusal):
     """A value that cannot be, with the place where it stands."""
 

@@ -29,7 +29,7 @@ from hexcite.page.arrivals import WAIT, Runs, TooLarge, left_over, received
 from hexcite.page.forms import field
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.journal import Address, keep_address
-from hexcite.page.refusals import Refusal, RefusedFields
+from hexcite.page.refusals import NoRecording, Refusal, RefusedFields
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
 from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine_of
 from hexcite.page.words import Words
@@ -229,7 +229,10 @@ class _Page:
         action = ACTIONS.get(name)
         if action is None:
             raise HTTPException(404)
-        job = await run_in_threadpool(asked, action, context, fields)
+        try:
+            job = await run_in_threadpool(asked, action, context, fields)
+        except NoRecording as error:
+            return RedirectResponse(f"{context.address}/data?program={quote(error.name)}", 303)
         self.jobs.start(job)
         return RedirectResponse(f"/m/{quote(context.machine.key, safe='+')}/{job.stage}{job.query}#jobs", 303)
 

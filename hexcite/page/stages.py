@@ -191,10 +191,11 @@ class Workspace:
             if any(program.plan in fresh for program in self.programs):
                 return "done"
             return "open" if fresh and self.machine.dialects else "stale" if self.programs else "closed"
+        own_run = bool(self.results) or any(recording.simulated for recording in self.recordings)
         if stage == "data":
-            return "done" if self.recordings else "open"
+            return "done" if own_run else "open"  # other files of the folder may be of another machine
         if stage == "result":
-            return _kind(self.results, "open" if self.recordings else "closed")
+            return _kind(self.results, "open" if own_run else "closed")
         return "open" if any(result.fresh for result in self.results) else "closed"
 
 
@@ -325,6 +326,15 @@ def _plan_of(file: str, time_ns: int, size: int) -> str:
     except OSError:
         return ""
     return match[1].decode() if match else ""
+
+
+def is_program(root: Path, name: str) -> bool:
+    """Whether a file of the root is a program of hexcite, of whatever machine."""
+    path = root / name
+    if path.parent != root or path.suffix.lower() not in PROGRAMS or not path.is_file():
+        return False
+    status = path.stat()
+    return bool(_plan_of(str(path), status.st_mtime_ns, status.st_size))
 
 
 @lru_cache(1024)

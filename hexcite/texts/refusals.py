@@ -35,6 +35,12 @@ TEXTS: dict[str, tuple[str, str]] = {
         "{name}: {text!r} ist keine Zahl von {low:g} bis {high:g}",
     ),
     "no_whole_number": ("{name}: {text!r} is not a whole number", "{name}: {text!r} ist keine ganze Zahl"),
+    "is_program": (
+        "{name} is a program that hexcite wrote, and not a recording: run it at the machine, or rehearse it, and bring "
+        "what the control recorded meanwhile",
+        "{name} ist ein Programm, das hexcite geschrieben hat, und keine Aufzeichnung: an der Maschine ausführen oder "
+        "proben und bringen, was die Steuerung dabei aufgezeichnet hat",
+    ),
     "no_choice": ("{name}: {text!r} is not a choice", "{name}: {text!r} steht nicht zur Wahl"),
     "no_column": ("{name}: {text!r} is not a column of the file", "{name}: {text!r} ist keine Spalte der Datei"),
     "column_is_read": (

@@ -7,6 +7,22 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "results": ("Results", "Ergebnisse"),
     "verdict_good": ("Nothing speaks against this run.", "Nichts spricht gegen diesen Lauf."),
+    "identify_again": ("Identify {what} again", "{what} neu auswerten"),
+    "again_note": (
+        "With the case as it is now; exports and certificates are then of a result that is up to date.",
+        "Mit der Maschine, wie sie jetzt ist; Exporte und Scheine sind dann von einem gültigen Ergebnis.",
+    ),
+    "again_gone": (
+        "Exports and certificates of a result that is out of date are refused: bring its recording on the stage Data "
+        "again, and identify.",
+        "Exporte und Scheine eines überholten Ergebnisses werden verweigert: seine Aufzeichnung im Schritt Daten noch "
+        "einmal bringen und auswerten.",
+    ),
+    "use_failed": (
+        "What is exported or certified here is of this result.",
+        "Was hier exportiert oder bescheinigt wird, ist von diesem Ergebnis.",
+    ),
+    "to_result": ("To the verdict", "Zum Urteil"),
     "verdict_fails": ("The result fails acceptance", "Das Ergebnis besteht die Abnahme nicht"),
     "verdict_doubt": ("Look at this before you use the values", "Vor der Nutzung der Werte ansehen"),
     "verdict_counted": ("Usable: the deviations allow for this", "Nutzbar: Die Abweichungen berücksichtigen dies"),

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from hexcite.page.forms import Fields, chosen
+from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job, Jobs
-from hexcite.page.refusals import Unfit
-from hexcite.page.stages import Machine, Recording, Workspace, free
+from hexcite.page.refusals import NoRecording, Unfit
+from hexcite.page.stages import Machine, Recording, Workspace, free, is_program
 from hexcite.page.words import ENGLISH, Words
 
 
@@ -47,8 +47,11 @@ def job_of(context: Context, stage: str, command: list[str], **more: Any) -> Job
     return Job(context.machine.key, stage, tuple(command), **more)
 
 
-def recording_of(there: Workspace, fields: Fields) -> Recording:
+def recording_of(context: Context, there: Workspace, fields: Fields) -> Recording:
     """The recording that a form chose; raises Unfit where there is none of this name."""
+    names = {recording.name for recording in there.recordings}
+    if (asked := field(fields, "recording")) not in names and is_program(context.root, asked):
+        raise NoRecording(asked)
     name = chosen(fields, "recording", [recording.name for recording in there.recordings])
     return next(recording for recording in there.recordings if recording.name == name)
 

@@ -30,7 +30,7 @@ def _rehearse(context: Context, there: Workspace, fields: Fields) -> Job:
 
 
 def _look(context: Context, there: Workspace, fields: Fields, write: bool = False) -> Job:
-    recording = recording_of(there, fields)
+    recording = recording_of(context, there, fields)
     query = f"?recording={quote(recording.name)}"
     picture = f"{Path(recording.name).stem}-look.svg"
     files = (f"{recording.name}/{RUN_FILE}",) if recording.simulated else recording.arguments
@@ -64,7 +64,7 @@ def _menus(context: Context, there: Workspace, fields: Fields) -> Job:
     """What menus say of the columns becomes the `[recording]` of the case, and the file is looked at again."""
     if not context.machine.own:
         raise Unfit("built_in_stays")
-    settings = reading.chosen_settings(_looked(context, recording_of(there, fields).name), fields)
+    settings = reading.chosen_settings(_looked(context, recording_of(context, there, fields).name), fields)
     write_table(context.machine.file, "recording", settings)
     return _look(context, there, fields)
 
@@ -102,7 +102,7 @@ def remedies(context: Context, there: Workspace, fields: Fields) -> list[Remedy]
         result = next(result for result in there.results if result.name == result_of(there, fields))
         remedies = [each for finding in result.record.get("findings", ()) for each in remedies_of(finding)]
     else:
-        refused = context.jobs.latest(context.machine.key, "identify", recording_of(there, fields).name)
+        refused = context.jobs.latest(context.machine.key, "identify", recording_of(context, there, fields).name)
         remedies = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
     return remedies
 
@@ -126,7 +126,7 @@ def _shown(value: Any) -> str:
 
 
 def _identify(context: Context, there: Workspace, fields: Fields) -> Job:
-    recording = recording_of(there, fields)
+    recording = recording_of(context, there, fields)
     output = context.free(f"{Path(recording.name).stem}-result")
     goto = f"{context.address}/result?result={quote(output)}"
     command = forms.identify(context.machine, recording.arguments, output)

@@ -17,7 +17,7 @@ REFERENCES: Mapping[str, tuple[str, float, float]] = {
 
 
 def _tare(context: Context, there: Workspace, fields: Fields) -> Job:
-    result, recording = result_of(there, fields), recording_of(there, fields)
+    result, recording = result_of(there, fields), recording_of(context, there, fields)
     output = context.free(f"{result}-tared")
     names = [
         *map(forms.place, recording.arguments),

@@ -40,7 +40,7 @@ def suffix_of(target: str) -> str:
 
 
 def _force(context: Context, there: Workspace, fields: Fields) -> Job:
-    result, recording = result_of(there, fields), recording_of(there, fields)
+    result, recording = result_of(there, fields), recording_of(context, there, fields)
     output = context.free(f"{Path(recording.name).stem}-force", ".csv")
     names = [
         *map(forms.place, recording.arguments),

@@ -9,7 +9,7 @@ from hexcite.page.actions.data import remedies_of
 from hexcite.page.forms import ini_in
 from hexcite.page.jobs import Job
 from hexcite.page.machine_inis import inis
-from hexcite.page.stages import RECORDINGS, Machine, Recording, Workspace
+from hexcite.page.stages import RECORDINGS, Machine, Recording, Workspace, is_program
 from hexcite.page.views.common import Query, chosen, remedies
 
 
@@ -23,8 +23,10 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     refused = context.jobs.latest(context.machine.key, "identify", recording.name) if recording is not None else None
     stated = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
     picture = f"{Path(recording.name).stem}-look.svg" if recording is not None else ""
+    program = query.get("program", "")
     return {
         "recordings": there.recordings,
+        "no_recording": program if program and is_program(context.root, program) else "",
         "chosen": recording,
         "programs": there.programs,
         "kinds": ", ".join(sorted(RECORDINGS)),

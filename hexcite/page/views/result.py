@@ -80,6 +80,16 @@ def _judged(context: Context, result: Made) -> dict[str, Any]:
     }
 
 
+def failed_checks(context: Context, result: Made) -> list[str]:
+    """What a result fails of `[accept]`, with values and limits; none where it passes, or nothing is judged."""
+    judged = _judged(context, result)
+    return [
+        f"{name} {value}{'' if unit == '-' else f' {unit}'} ({limit})"
+        for passed, name, value, limit, unit in judged["checks"]
+        if not passed
+    ]
+
+
 def _check_row(words: Words, check: Check) -> tuple[bool | str, ...]:
     limit = words.say("at_least" if check.least else "at_most", limit=f"{check.limit:.3g}")
     judged = words.check(check.code, check.of, check.name)

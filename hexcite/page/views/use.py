@@ -8,7 +8,7 @@ from cases.certificate import CertificateOf
 from hexcite.page.actions.common import Context
 from hexcite.page.stages import Made, Workspace
 from hexcite.page.views.common import Query, beginning, chosen, parameter
-from hexcite.page.views.result import outcome
+from hexcite.page.views.result import failed_checks, outcome
 from hexcite.page.words import Words
 from identification.texts import std_text
 
@@ -41,6 +41,8 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         word: context.jobs.latest(context.machine.key, word, result.name) if result is not None else None
         for word in ("export", "force", "certificate")
     }
+    about = None if result is None else outcome(context.words, result)
+    recorded = {recording.name for recording in there.recordings}
     answers = {word: job.answer if job is not None and job.state == "done" else None for word, job in latest.items()}
     export = answers["export"] or {}
     texts = dict(export.get("texts") or {})
@@ -50,13 +52,15 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     verified = context.jobs.latest(context.machine.key, "certificate", pdf) if pdf else None
     past = context.jobs.latest(context.machine.key, "history", "history")
     case = context.machine.case
-    about = case.certificate if case is not None and case.certificate is not None else CertificateOf()
+    stated_about = case.certificate if case is not None and case.certificate is not None else CertificateOf()
     force = answers["force"] or {}
     return {
         "results": there.results,
         "recordings": there.recordings,
         "chosen": result,
-        "outcome": None if result is None else outcome(context.words, result),
+        "outcome": about,
+        "failed": [] if result is None else failed_checks(context, result),
+        "again": about["recording"].name if about is not None and about["recording"].name in recorded else "",
         "targets": [
             (target, context.words.target(target, SINGLE_FILES[target].what if target in SINGLE_FILES else "C99"))
             for target in TARGETS
@@ -75,8 +79,8 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "certificates": sorted(file.name for file in context.root.glob("*.pdf") if file.is_file()),
         "pdf": pdf,
         "verified": verified,
-        "about": about,
-        "serials": about.serial_numbers or {},
+        "about": stated_about,
+        "serials": stated_about.serial_numbers or {},
         "stated": query.get("stated") == "1",
         "history": _history(context.words, past.answer)
         if past is not None and past.state == "done" and past.answer

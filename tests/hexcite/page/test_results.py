@@ -66,6 +66,8 @@ def test_limits_are_judged_and_stated(client: TestClient, root: Path) -> None:
     headline = page[page.index('class="verdict doubt"') : page.index("Acceptance: FAIL")]
     assert "mass (m)" in headline  # above what the run says of itself
     assert "Out of date" not in page
+    use = client.get("/m/+mill/use?result=res").text
+    assert "mass (m)" in use[use.index('role="alert"><b>') : use.index("<h2>")]  # above exports and certificates
     wrong = form | {"accept.reference.mass_kg": "2"}  # without its uncertainty
     answer = client.post("/m/+mill/do/state", data=wrong)
     assert answer.status_code == 400
@@ -75,6 +77,28 @@ def test_limits_are_judged_and_stated(client: TestClient, root: Path) -> None:
     assert load_case(str(file)).accept is None
     assert file.read_text().strip() == before.strip()
     assert client.post("/m/hexapod/do/state", data=form).status_code == 400
+
+
+def test_a_result_that_is_out_of_date_is_identified_again_by_a_button(client: TestClient, root: Path) -> None:
+    """On both stages, with the recording that it is of; and where that is gone, a sentence says so."""
+    file, gone = root / "mill" / "case.toml", root / "elsewhere"
+    before = file.read_text()
+    file.write_text(before.replace("gain_percent = 0.1", "gain_percent = 0.2"))
+    try:
+        for stage in ("result", "use"):
+            address = f"/m/+mill/{stage}?result=res"
+            (form,) = re.findall(r'(?s)<form[^>]*do/identify".*?</form>', client.get(address).text)
+            assert 'name="recording" value="rec"' in form
+            (root / "rec").rename(gone)
+            try:
+                page = client.get(address).text
+            finally:
+                gone.rename(root / "rec")
+            assert "do/identify" not in page
+            assert "bring its recording on the stage Data" in page
+    finally:
+        file.write_text(before)
+    assert "do/identify" not in client.get("/m/+mill/use?result=res").text
 
 
 def test_certificates_and_their_texts(client: TestClient, root: Path) -> None:

@@ -1,5 +1,6 @@
 """Stages say what the folder holds: what is done, what is out of date, and what cannot be yet."""
 
+import html
 import json
 import os
 import re
@@ -64,7 +65,8 @@ def test_stages_follow_what_commands_write(root: Path, case: Case, client: TestC
     assert [program.name for program in there(root).programs] == ["run.mpf"]
     assert states(root) == "open done done open closed closed"
     (root / "rec.csv").write_text("t_s,f1_N\n0,1\n")
-    assert states(root) == "open done done done open closed"
+    assert [recording.name for recording in there(root).recordings] == ["rec.csv"]
+    assert states(root) == "open done done open closed closed"  # whose file it is, nobody has seen yet
     (root / "res").mkdir()
     record = {
         "case": "mill",
@@ -468,3 +470,30 @@ def test_the_stage_machine_is_done_when_all_values_are_the_users(client: TestCli
     assert client.post("/m/+mill/do/mine", data={}).status_code == 303
     assert load_case(str(file)).template is None
     assert '<li class="done">' in client.get("/m/+mill/machine").text.partition("</li>")[0]
+
+
+def test_a_run_of_another_machine_is_no_data_of_this_one(root: Path, case: Case):
+    """A rehearsal counts for the machine that it is of; so does a result."""
+    record = {"case_hash": case.hash, COMPUTED_FROM: {}}
+    for name, of in (("theirs", "lathe"), ("ours", "mill")):
+        (root / name).mkdir()
+        (root / name / "recording.json").write_text(json.dumps({**record, "case": of}))
+        expected = "done open" if of == "mill" else "open closed"
+        assert f"{there(root).state('data')} {there(root).state('result')}" == expected
+
+
+def test_a_program_in_the_place_of_a_recording_is_named_on_the_stage_data(root: Path, case: Case, client: TestClient):
+    """Of this machine or of another one; a name that there is not is refused as before."""
+    fingerprint = "0123456789abcdef"
+    (root / "set_points.csv").write_text(f"# plan hash {fingerprint}\nt_s,l1_mm\n0,1\n")
+    answer = client.post("/m/+mill/do/look", data={"recording": "set_points.csv"})
+    assert answer.status_code == 303
+    page = client.get(answer.headers["location"])
+    assert page.status_code == 200
+    (alert,) = re.findall(r'<p class="error" role="alert">([^<]*)</p>', page.text)
+    assert "set_points.csv" in alert
+    assert ENGLISH.say("is_program", name="set_points.csv") in html.unescape(alert)
+    client.cookies.set("hexcite-language", "de")
+    assert "keine Aufzeichnung" in client.get(answer.headers["location"]).text
+    assert "nowhere.csv" not in client.get("/m/+mill/data?program=nowhere.csv").text.split("<main", 1)[1]
+    assert client.post("/m/+mill/do/look", data={"recording": "nowhere.csv"}).status_code == 400
