@@ -7,6 +7,23 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "results": ("Results", "Ergebnisse"),
     "verdict_good": ("Nothing speaks against this run.", "Nichts spricht gegen diesen Lauf."),
+    "unseen": ("What this run cannot show", "Was dieser Lauf nicht zeigen kann"),
+    "unseen_worst": (
+        "Errors of the machine or the recorder that half of all runs like this one would not show, of this size; the "
+        "worst for a value:",
+        "Fehler von Maschine oder Rekorder, die in dieser Größe die Hälfte aller solchen Läufe nicht zeigte; der "
+        "schlimmste für einen Wert:",
+    ),
+    "unseen_note": (
+        "U does not count them, for no data of this run tell whether they are there: it counts what [tolerances] of "
+        "the case allow for, such as clock_ppm for time stamps. State there how good the parts of your machine are.",
+        "U enthält sie nicht, denn keine Daten dieses Laufs sagen, ob es sie gibt: es enthält, was [tolerances] der "
+        "Maschine zulassen, etwa clock_ppm für Zeitstempel. Dort angeben, wie genau die Teile Ihrer Maschine sind.",
+    ),
+    "unseen_state": ("State tolerances", "Toleranzen angeben"),
+    "unseen_largest": ("The largest {shown} of {count}", "Die größten {shown} von {count}"),
+    "unseen_cause": ("an error that may be there unseen", "Fehler, der unbemerkt da sein kann"),
+    "unseen_bias": ("moves the value by", "verschiebt den Wert um"),
     "identify_again": ("Identify {what} again", "{what} neu auswerten"),
     "again_note": (
         "With the case as it is now; exports and certificates are then of a result that is up to date.",

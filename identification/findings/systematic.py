@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cases.base.errors import printable
 from cases.base.phrases import Phrase, enumerated, phrase, said
 from cases.base.units import DEG, Array
 from cases.schema import Case
@@ -216,6 +217,7 @@ def noisy_drives(case: Case, fitted: Fitted, systematic: Systematic | None) -> l
     ]
 
 
+CODED = 5  # entries of what is not shown whose causes have their codes too, for tables in other languages
 SHOWN = 5.0  # deviations of an effect's size, at which about half of all runs show it
 
 
@@ -245,6 +247,8 @@ def not_shown(fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
     if not entries:
         return []
     ordered = sorted(entries, key=lambda entry: -entry["deviations"])
+    for entry in ordered[:CODED]:
+        entry["phrase"] = said(entry["as_with"]).to_json(printable)
     first, units = ordered[0], {p.name: p.unit for p in fitted.samples.model.parameters}
     amount = f"{first['bias']:+.2g} {units[first['parameter']]}"
     sentence = phrase(

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from cases.base.errors import HexciteError
 from cases.base.phrases import said
 from hexcite.page.actions.common import Context
-from hexcite.page.actions.data import remedies_of
+from hexcite.page.actions.data import RUN_FILE, remedies_of
 from hexcite.page.actions.result import REFERENCES
 from hexcite.page.actions.stated import LIMITS
 from hexcite.page.stages import Made, Workspace, case_of
@@ -246,16 +246,42 @@ def outcome(words: Words, result: Made) -> dict[str, Any]:
     warnings = [f for f in findings if f.get("severity") == "warning"]
     doubts = [f for f in warnings if not f.get("counted") and f.get("kind") not in {str(k) for k in ABOUT_THE_RUN}]
     first = next(iter(doubts or warnings), None)
+    unseen = next((f for f in findings if _entries(f)), None)
     run = record.get("run") or {}
+    recording = Path(str(record.get("recording", "")))
     return {
         "light": "doubt" if doubts else "counted" if warnings else "good",
         "first": "" if first is None else _finding(words, first),
-        "more": [_finding(words, f) for f in findings if f is not first],
+        "more": [_finding(words, f) for f in findings if f is not first and f is not unseen],
+        "unseen": None if unseen is None else _unseen(words, _entries(unseen), record.get("parameters", {})),
         "simulated": bool(run.get("simulated")),
-        "recording": Path(str(record.get("recording", ""))),
+        "recording": recording.parent if recording.name == RUN_FILE else recording,
         "parameters": [parameter(words, name, value) for name, value in record.get("parameters", {}).items()],
         "not_counted": ", ".join(words.cause(str(each)) for each in record.get("not_counted") or ()),
     }
+
+
+MOST_UNSEEN = 5  # effects in the table of what a run does not show
+
+
+def _entries(finding: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """What a run does not show, the worst first; empty of findings about other things."""
+    quantity = finding.get("quantity")
+    entries = quantity.get("not_shown") if isinstance(quantity, Mapping) else None
+    return [each for each in entries if isinstance(each, Mapping)] if isinstance(entries, list) else []
+
+
+def _unseen(words: Words, entries: Sequence[Mapping[str, Any]], parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Of the largest effects that a run does not show: cause, parameter, its bias, its U, both with the unit."""
+    rows = []
+    for entry in entries[:MOST_UNSEEN]:
+        name = str(entry.get("parameter", ""))
+        value = parameters.get(name) or {"value": 0.0}
+        shown_name, _, _, reach, unit = parameter(words, name, value)
+        bias = float(entry.get("bias", 0.0)) * legible(str(value.get("unit", "")))[0]
+        cause = words.clause(entry.get("phrase"), str(entry.get("as_with", "")))
+        rows.append((cause, shown_name, f"{bias:+.2g}", reach, unit))
+    return {"rows": rows, "count": len(entries)}
 
 
 def _finding(words: Words, finding: Mapping[str, Any]) -> Markup:

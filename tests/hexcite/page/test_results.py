@@ -1,5 +1,7 @@
 """The stages Result and Use show what a result says, write limits and what certificates say, and ask commands."""
 
+import html
+import json
 import re
 import shutil
 import time
@@ -99,6 +101,26 @@ def test_a_result_that_is_out_of_date_is_identified_again_by_a_button(client: Te
     finally:
         file.write_text(before)
     assert "do/identify" not in client.get("/m/+mill/use?result=res").text
+
+
+def test_what_a_run_cannot_show_stands_beside_its_values(client: TestClient, root: Path) -> None:
+    """The largest five, in both languages, each with what it would move and the U that does not count it."""
+    record = json.loads((root / "res" / "result.json").read_text())
+    (entries,) = (f["quantity"]["not_shown"] for f in record["findings"] if "not_shown" in f["quantity"])
+    address, pages = "/m/+mill/result?result=res", []
+    for language in ("en", "de"):
+        client.cookies.set("hexcite-language", language)
+        page = client.get(address).text
+        (section,) = re.findall(r'(?s)<section class="unseen-effects".*?</section>', page)
+        assert section.count("<tr>") == 1 + min(5, len(entries))
+        assert f"{len(entries)}</summary>" in section
+        assert f"{entries[0]['bias']:+.2g}" in section
+        assert "clock_ppm" in section
+        assert "result.json" not in page
+        pages.append(html.unescape(section))
+    causes = [entry["as_with"] for entry in entries[:5]]
+    assert all(cause in pages[0] for cause in causes)
+    assert not any(cause in pages[1] for cause in causes)
 
 
 def test_certificates_and_their_texts(client: TestClient, root: Path) -> None:

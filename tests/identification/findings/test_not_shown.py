@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from cases.tolerances import Tolerances
+from identification.findings.systematic import SHOWN
 from identification.identify import estimate_parameters
 from identification.results.estimate import Estimate
 from tests.damaged.kinds import DAMAGES
@@ -21,6 +23,19 @@ PREDICTED = [
 
 def found(of: Machine, change: Change = SOUND) -> Estimate:
     return estimate_parameters(recorded(of, Waves(of, 2, 5.0), 1, STATED, change), of.case)
+
+
+def test_a_clock_whose_tolerance_is_stated_is_counted_and_not_unseen() -> None:
+    """With the tolerance of stamps stated, deviations hold what the run leaves open of them."""
+    of = machine("hexapod")
+    sound = found(of)
+    entry = next(e for f in sound.findings for e in f.quantity.get("not_shown", ()) if e["key"] == "clock")
+    tolerant = of.case.model_copy(update={"tolerances": Tolerances(clock_ppm=1e6 * entry["size"])})
+    allowed = estimate_parameters(recorded(of, Waves(of, 2, 5.0), 1, STATED), tolerant)
+    k = allowed.model.names.index(entry["parameter"])
+    before, after = (np.sqrt(each.fit.covariance_robust[k, k]) for each in (sound, allowed))
+    assert before < 0.1 * abs(entry["bias"]) / SHOWN
+    assert after > 0.5 * abs(entry["bias"]) / SHOWN
 
 
 @pytest.mark.first(1)
