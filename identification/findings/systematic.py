@@ -247,8 +247,8 @@ def not_shown(fitted: Fitted, systematic: Systematic | None) -> list[Finding]:
     if not entries:
         return []
     ordered = sorted(entries, key=lambda entry: -entry["deviations"])
-    for entry in ordered[:CODED]:
-        entry["phrase"] = said(entry["as_with"]).to_json(printable)
+    for told in ordered[:CODED]:
+        told["phrase"] = said(told["as_with"]).to_json(printable)
     first, units = ordered[0], {p.name: p.unit for p in fitted.samples.model.parameters}
     amount = f"{first['bias']:+.2g} {units[first['parameter']]}"
     sentence = phrase(
