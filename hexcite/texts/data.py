@@ -114,6 +114,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Accept: write this into the case, and identify again",
         "Annehmen: in die Maschine schreiben und neu bestimmen",
     ),
+    "units_changed": (
+        "Units that the case kept of another file were changed to those of this one:",
+        "Einheiten, die die Maschine von einer anderen Datei hatte, wurden in die dieser Datei geändert:",
+    ),
     "case_written": (
         "Written into the case; as it was before: {earlier}.",
         "In die Maschine geschrieben; die frühere Datei: {earlier}.",

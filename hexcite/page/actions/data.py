@@ -16,6 +16,7 @@ from hexcite.page.machine_inis import ini_of
 from hexcite.page.refusals import Unfit
 from hexcite.page.stages import Workspace
 
+KEPT_UNITS = ("recording.units", "recording.clock")  # keys whose change is said beside the result
 RUN_FILE = "recording.csv"  # in the folder of a rehearsal
 
 
@@ -47,8 +48,10 @@ def _take(context: Context, there: Workspace, fields: Fields) -> Job:
     if not field(fields, "identify"):
         return writing
     job, look_job = _identify(context, there, fields), _looked(context, field(fields, "recording"))
-    write_table(context.machine.file, "recording", look_job["settings"])
+    changes = write_table(context.machine.file, "recording", look_job["settings"])
     job.before = writing.command
+    units = [change for change in changes if change[1] is not None and change[0].startswith(KEPT_UNITS)]
+    job.notes = (*(f"{key}: {_shown(before)} → {_shown(after)}" for key, before, after in units), "") if units else ()
     return job
 
 

@@ -2,9 +2,11 @@
 
 import html
 import json
+import math
 import os
 import re
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,8 @@ import pytest
 from starlette.testclient import TestClient
 
 from cases.basis import COMPUTED_FROM, plan_basis, result_basis
+from cases.editing import write_table
+from cases.recording_format import Role
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
 from hexcite.page import forms
@@ -497,3 +501,39 @@ def test_a_program_in_the_place_of_a_recording_is_named_on_the_stage_data(root: 
     assert "keine Aufzeichnung" in client.get(answer.headers["location"]).text
     assert "nowhere.csv" not in client.get("/m/+mill/data?program=nowhere.csv").text.split("<main", 1)[1]
     assert client.post("/m/+mill/do/look", data={"recording": "nowhere.csv"}).status_code == 400
+
+
+@dataclass
+class Looked:
+    """A look that is over, and nothing else under way."""
+
+    settings: dict[str, Any]
+    outputs: frozenset[str] = frozenset()
+    finished: float = math.inf
+
+    @property
+    def answer(self) -> dict[str, Any]:
+        """What it answered."""
+        return {"settings": self.settings}
+
+    def latest(self, *of: str) -> "Looked":
+        """Itself."""
+        return self
+
+
+def test_a_proposal_that_is_taken_says_which_kept_units_it_changes(root: Path, case: Case):
+    """The case has the file's unit then; keys that were not stated before are not listed."""
+    file = root / "mill" / "case.toml"
+    write_table(file, "recording", {"units": {"forces": "N"}, "filter_cutoff_Hz": 40.0})
+    (root / "run.csv").write_text("t,F1\n0,1\n")
+    settings = {"units": {"forces": "kN", "struts": "m"}, "columns": {"f1_N": "F1"}, "filter_cutoff_Hz": 40.0}
+    machine = machine_of(root, "+mill")
+    assert machine is not None
+    context = Context(root, machine, Looked(settings))  # type: ignore[arg-type]
+    job = asked(ACTIONS["take"], context, {"recording": ["run.csv"], "identify": ["1"]})
+    assert load_case(str(file)).recording.units[Role.FORCES] == "kN"
+    said = " ".join(job.notes)
+    assert '"N"' in said
+    assert '"kN"' in said
+    assert "F1" not in said
+    assert job.notes[-1] == ""  # no earlier file was kept
