@@ -273,3 +273,29 @@ if (form) {
   });
   if (form.hasAttribute("data-given")) preview();
 }
+
+for (const kept of document.querySelectorAll("form[data-unsaved]")) { // typed values are not lost without a question
+  const now = () => new URLSearchParams(new FormData(kept)).toString(), before = now();
+  let saving = false;
+  addEventListener("beforeunload", (event) => {
+    if (!saving && (kept.hasAttribute("data-given") || now() !== before)) event.preventDefault();
+  });
+  addEventListener("pageshow", () => { saving = false; });
+  const key = "place " + location.pathname;
+  const names = (each) => each.id || each.parentElement.closest("details")?.id + " more";
+  const groups = () => [...kept.querySelectorAll("details")];
+  kept.addEventListener("submit", () => { // after it the same groups are open, and the same field is in sight
+    saving = true;
+    const inSight = [...kept.querySelectorAll("[id^='v.'], [id^='w.']")].find((each) => each.getBoundingClientRect().top >= 0);
+    const field = inSight?.id.slice(2) ?? "", top = (inSight ?? kept).getBoundingClientRect().top;
+    const open = Object.fromEntries(groups().map((each) => [names(each), each.open]));
+    sessionStorage.setItem(key, JSON.stringify({ field, top, open }));
+  });
+  const was = JSON.parse(sessionStorage.getItem(key) ?? "null");
+  sessionStorage.removeItem(key);
+  if (!was) continue;
+  for (const each of groups()) each.open = (was.open[names(each)] ?? each.open) || Boolean(each.querySelector("[aria-invalid]"));
+  if (kept.hasAttribute("data-given")) continue; // the first value that cannot be has the keyboard
+  const there = document.getElementById("v." + was.field) ?? document.getElementById("w." + was.field) ?? kept;
+  scrollBy({ top: there.getBoundingClientRect().top - was.top, behavior: "instant" });
+}
