@@ -28,6 +28,10 @@ from cases.urdf import Arm
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
+_SIMULATED_BODY = (
+    "The simulated body is that of [nominal]. A table [simulation.parameters.body] with mass_kg, centre_of_gravity_mm "
+    "or inertia_kg_m2 states another one."
+)
 _WIDTH = 110  # characters of a comment
 
 
@@ -53,11 +57,19 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
         "look` proposes the table [recording]. Delete tables of controllers that you do not have."
     )
     texts = {"name": name, "title": NO_TITLE, "source": "where these values come from"}
-    comments, latest = explanations(Case), ""
+    comments, latest, skipped = explanations(Case), "", False
     for line in find_case(like).read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):
             continue  # the built-in case's own words on its sources
-        if table := re.match(r"\[([a-z_.]+)\]", line):
+        table = re.match(r"\[([a-z_.]+)\]", line)
+        if table and table[1] == "simulation.parameters.body" and case.nominal is not None:
+            lines += [*_comment(_SIMULATED_BODY), ""]
+            skipped = True
+        elif table:
+            skipped = False
+        if skipped:
+            continue
+        if table:
             line = table[0]  # what follows it is about the built-in case's source
             part = attrgetter(table[1])(case)
             comments = explanations(type(part)) if isinstance(part, Part) else {}

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn
 
 import numpy as np
-from pydantic import ModelWrapValidatorHandler, PrivateAttr, field_validator, model_validator
+from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, field_validator, model_validator
 
 from cases import doubts, numbering
 from cases.acceptance import Acceptance
@@ -175,7 +175,10 @@ class Case(Heading):
     @model_validator(mode="wrap")
     @classmethod
     def _of_any_version(cls, data: Any, read: ModelWrapValidatorHandler["Case"]) -> "Case":
-        if not isinstance(data, Mapping) or not (stated := earlier_keys(data)):
+        if not isinstance(data, Mapping):
+            return read(data)
+        data = _with_nominal_body(data)
+        if not (stated := earlier_keys(data)):
             return read(data)
         case = read(without_earlier_keys(data))
         case._earlier = tuple(
@@ -692,6 +695,22 @@ class Case(Heading):
         if self.simulation is None:
             self.missing("simulation", purpose)
         return self.simulation
+
+
+def _with_nominal_body(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Tables whose simulated body has the values of `[nominal]` where none of its own are stated."""
+    simulation, nominal = data.get("simulation"), data.get("nominal")
+    parameters = simulation.get("parameters") if isinstance(simulation, Mapping) else None
+    body = parameters.get("body", {}) if isinstance(parameters, Mapping) else None
+    if not isinstance(simulation, Mapping) or not isinstance(body, Mapping) or not isinstance(nominal, Mapping):
+        return data
+    if nominal.keys() <= body.keys():
+        return data
+    try:
+        RigidBody.model_validate(nominal)
+    except ValidationError:  # said once, of [nominal]
+        return {key: value for key, value in data.items() if key != "simulation"}
+    return {**data, "simulation": {**simulation, "parameters": {**(parameters or {}), "body": {**nominal, **body}}}}
 
 
 def _purpose(purpose: str) -> Phrase:

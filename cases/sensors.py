@@ -324,7 +324,7 @@ class Truth(Part):
     """All parameters that the simulated machine has."""
 
     body: RigidBody
-    """Mass, centre of gravity and inertia of what moves."""
+    """Mass, centre of gravity and inertia of what moves; those that are not stated are the ones of `[nominal]`."""
     offsets_N: Six
     """What the six sensors read without a load."""
     compensation: Compensation = Compensation(k0_N_m=0.0, k1_Nm_m=0.0, k2_N=0.0, k3_Nm=0.0)

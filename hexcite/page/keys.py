@@ -18,6 +18,7 @@ from hexcite.page.units import same_thing
 
 Table = Mapping[str, Any]
 WAY = 20.0  # [deg or mm] to either side of home, to begin from
+SIMULATED_BODY: Place = ("simulation", "parameters", "body")
 
 
 def _inner(annotation: Any) -> Iterator[Any]:
@@ -116,10 +117,9 @@ def missing(data: Table, case: Case | None, content: str = "") -> dict[Place, An
         for key, field in part.model_fields.items():
             if key not in table and not _leaf(part, key):
                 examples |= _table(data, example, (*place, key), _parts(field.annotation)[0], case)
-    body = ("simulation", "parameters", "body")
     for key, value in (data.get("nominal") or {}).items():  # the simulated machine is this one, not that of the example
-        if (*body, key) in examples:
-            examples[*body, key] = value
+        if (*SIMULATED_BODY, key) in examples:
+            examples[*SIMULATED_BODY, key] = value
     as_comments = commented(content)
     return {place: as_comments.get(place, value) for place, value in examples.items()}
 

@@ -5,7 +5,7 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +18,17 @@ from cases.contradictions import Doubt
 from cases.editing import Place, at, case_of_text, with_values, write_keys
 from cases.schema import Case
 from cases.tables import CASE_FILE, Part, is_needed
-from hexcite.page.keys import choices_of, example_of, is_text, leaves, missing, part_of, typical, words_of
+from hexcite.page.keys import (
+    SIMULATED_BODY,
+    choices_of,
+    example_of,
+    is_text,
+    leaves,
+    missing,
+    part_of,
+    typical,
+    words_of,
+)
 from hexcite.page.refusals import Refusal, Refused, RefusedFields
 from hexcite.page.units import Spelling, noun, spellings
 
@@ -102,8 +112,12 @@ def sections(content: str, case: Case | None) -> tuple[Section, ...]:
             elif part is not None and place[-1] in part.model_fields and not data.get("template"):
                 mark = "typical" if _usual(data, example, place, part) == value else "mine"
             entries.setdefault(_table_of(place)[0], []).append(_entry(place, value, part, mark, doubts))
+    nominal = data.get("nominal") or {}
     for place, value in missing(data, case, content).items():
-        more.setdefault(_table_of(place)[0], []).append(_entry(place, value, part_of(place[:-1], data), "missing"))
+        entry = _entry(place, value, part_of(place[:-1], data), "missing")
+        if place[:-1] == SIMULATED_BODY and place[-1] in nominal:
+            entry = replace(entry, needed=False)  # not stated, it is that of [nominal]
+        more.setdefault(_table_of(place)[0], []).append(entry)
     tables = dict.fromkeys([*entries, *more])
     return tuple(_section(name, data, entries.get(name, ()), more.get(name, ())) for name in tables)
 

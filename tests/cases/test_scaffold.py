@@ -21,6 +21,8 @@ def test_a_new_case_is_its_template_under_another_name(like: str, tmp_path: Path
         del words["name"], words["title"], words["template"]
         for sourced in (words["simulation"], (words["simulation"] or {}).get("disturbances"), words["payloads"]):
             (sourced or {}).pop("source", None)
+    if template["nominal"] is not None:  # what is rehearsed is the machine that is described
+        template["simulation"]["parameters"]["body"] = template["nominal"]
     assert said == template
     text = file.read_text()
     assert old.title not in text
@@ -69,3 +71,22 @@ def test_pages_of_a_case_without_a_title_have_its_name(tmp_path: Path) -> None:
     assert load_case(str(file)).heading == "mill"
     file.write_text(file.read_text().replace(f'title = "{NO_TITLE}"', 'title = "Mill 7"'))
     assert load_case(str(file)).heading == "Mill 7"
+
+
+def test_the_simulated_body_is_the_nominal_one_unless_another_is_stated(tmp_path: Path) -> None:
+    file = new_case("mill", "hexapod", tmp_path / "mill")
+    text = file.read_text().replace("mass_kg = 33.0", "mass_kg = 12.5")
+    file.write_text(text)
+    case = load_case(str(file))
+    assert case.nominal is not None
+    assert case.nominal.mass_kg == 12.5
+    assert case.need_simulation("a test").parameters.body == case.nominal
+    assert not [doubt for doubt in case.doubts if any("simulation.parameters.body" in key for key in doubt.keys)]
+    file.write_text(f"{text}\n[simulation.parameters.body]\nmass_kg = 13.0\n")
+    body = load_case(str(file)).need_simulation("a test").parameters.body
+    assert (body.mass_kg, body.inertia_kg_m2) == (13.0, case.nominal.inertia_kg_m2)
+    file.write_text(text.replace("mass_kg = 12.5", "mass_kg = -12.5"))
+    with pytest.raises(CaseError) as refused:
+        load_case(str(file))
+    assert "nominal.mass_kg" in str(refused.value)
+    assert "simulation" not in str(refused.value)
