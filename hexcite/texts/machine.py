@@ -20,6 +20,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "part_tool": ("tool", "Werkzeug"),
     "shape_round": ("round", "rund"),
     "shape_hull": ("hull", "Hülle"),
+    "state_missing": ("State what is missing ({count})", "Fehlendes angeben ({count})"),
     "plan_needs": ("To plan a motion, state:", "Um eine Bewegung zu planen, angeben:"),
     "to_machine": ("State them: Machine", "Angeben: Maschine"),
     "own_machines": ("Your machines in this folder", "Ihre Maschinen in diesem Ordner"),
