@@ -140,6 +140,12 @@ STAGES = {
 }
 
 
+def begun(mill: Path, word: str) -> bool:
+    """Whether a worker has written its number and that of its own process; the file is there a moment before."""
+    file = mill / f"began-{word}"
+    return file.exists() and len(file.read_text().split()) == 2
+
+
 def test_a_server_that_is_killed_at_any_stage_comes_back_with_what_was_finished(mill: Path, modules: Path):
     finished = content(mill)
     with served(mill, modules) as first:
@@ -147,7 +153,7 @@ def test_a_server_that_is_killed_at_any_stage_comes_back_with_what_was_finished(
         until(lambda: "a doubt of the file" in first.ask("GET", "/m/+mill/data?recording=rec")[1])
         for action, fields in STAGES.values():
             assert first.ask("POST", f"/m/+mill/do/{action}", fields)[0] == 303
-        until(lambda: (mill / "began-case").exists() and (mill / "began-plan").exists())
+        until(lambda: begun(mill, "case") and begun(mill, "plan"))
         workers = [int(pid) for name in ("case", "plan") for pid in (mill / f"began-{name}").read_text().split()]
         first.process.kill()
         first.process.wait()
@@ -176,7 +182,7 @@ def test_a_worker_that_is_killed_or_cancelled_ends_with_its_own_processes(mill: 
             ("tare", "tare", {"result": "res", "recording": "rec"}, "stopped; nothing was written"),
         ):
             stage = there.ask("POST", f"/m/+mill/do/{action}", fields)[1].partition("#")[0]
-            until(lambda word=word: (mill / f"began-{word}").exists())
+            until(lambda word=word: begun(mill, word))
             worker, own = map(int, (mill / f"began-{word}").read_text().split())
             if action == "tare":
                 number = re.search(r'data-job="(\d+)"', there.ask("GET", stage)[1])
