@@ -34,7 +34,7 @@ def test_numbers_that_nothing_measures_are_left_out_of_what_columns_look_like(tm
     rows = [f"{k / 10},{(-1) ** k * 1.7e308},{k % 7 + 0.5}" for k in range(60)]
     file = tmp_path / "odd.csv"
     file.write_text("\n".join(rows) + "\n")
-    answer = hexcite("look", file, "--json")
+    answer = hexcite("look", file, "--json", "-o", tmp_path / "look.svg")
     assert answer.code in (0, 1)
     assert "1.7e308" not in answer.out
     assert "overflow" not in answer.out + answer.err
