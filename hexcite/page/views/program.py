@@ -56,7 +56,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     }
 
 
-_SPEED = re.compile(r" s at speed ([0-9.]+)$", re.MULTILINE)
+_SPEED = re.compile(r" s at speed ([0-9.]+)")
 _DURATION = re.compile(r" duration ([0-9.]+) s, excitation ")
 """What the header of a program says of it, where its language has comments."""
 

@@ -27,6 +27,8 @@ from hexcite.page.refusals import Unfit
 from hexcite.page.stages import MARK, Workspace, free, machine_of, own_machines, workspace
 from hexcite.page.views.common import chosen_plan
 from hexcite.page.words import ENGLISH
+from identification.motion.motion import Standstill
+from postprocessors.blocks import ToHome, Trigger
 
 
 @pytest.fixture
@@ -371,6 +373,22 @@ def test_a_slow_program_is_watched_and_not_recorded(root: Path, case: Case, clie
     page = client.get("/m/+mill/program?program=run.mpf").text
     assert "run-recording.xml" in page
     assert re.findall(r"about (\S+)\ss", page) == ["75"]  # and some before and after
+
+
+@pytest.mark.parametrize("name", ["linuxcnc", "sinumerik", "twincat", "setpoints", "urscript", "ros2"])
+def test_a_slow_program_is_told_by_the_comments_of_every_language(name: str):
+    from hexcite.page.views.program import _DURATION, _is_slow
+    from postprocessors.program import dialect
+
+    machine = load_case("ur10_wrist" if name in ("urscript", "ros2") else "hexapod")
+    home = machine.need_motion("a test")[0]
+    for speed, slow in (("0.1", True), ("1", False)):
+        header = (f"plan a: ptp, 12 s at speed {speed}", "duration 15.250 s, excitation 12.000 s")
+        blocks = (ToHome(home, 0.05), Standstill(home, 0.3), Trigger(True), Standstill(home, 0.5), Trigger(False))
+        text = dialect(name).write((*header, *blocks), machine).decode()
+        assert _is_slow(text) is slow
+        assert (found := _DURATION.search(text)) is not None
+        assert found[1] == "15.250"
 
 
 def test_programs_of_other_plans_stay_in_sight(root: Path, case: Case, client: TestClient):
