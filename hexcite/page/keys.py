@@ -6,9 +6,11 @@ from functools import lru_cache
 from typing import Any, Literal, get_args, get_origin
 
 from cases.chain import Joint, JointLimit
+from cases.controller import ControllerName
 from cases.editing import Place, at, commented
 from cases.machine import Joints, Ring
 from cases.poses import Poses
+from cases.readiness import languages_of
 from cases.recording_format import RecordingFormat
 from cases.scaffold import explanations
 from cases.schema import Case
@@ -138,6 +140,9 @@ def _table(data: Table, example: Table, place: Place, part: type[Part], case: Ca
     if (place[0] == "workspace" and not at(data, ("machine", "home"))) or place[0] in ("sensor_frame", "machine"):
         return {}
     example_value = at(example, place)
+    if place[0] == "controller" and not isinstance(example_value, Mapping):  # of a control that the example has not
+        controllers = tuple(ControllerName) if case is None else languages_of(case)
+        example_value = _of_such_a_machine(data, place) if place[-1] in controllers else None
     if isinstance(example_value, Mapping):
         return dict(leaves(place, example_value))
     if place[0] in ("simulation", "payloads") or (len(place) > 1 and place[0] != "limits"):
@@ -146,6 +151,14 @@ def _table(data: Table, example: Table, place: Place, part: type[Part], case: Ca
     return {
         (*place, key): value if isinstance(value, bool | int | float | str) else None for key, value in keys.items()
     }
+
+
+def _of_such_a_machine(data: Table, place: Place) -> Table | None:
+    """The table at a place of a built-in case with the same kind of machine; None where none has it."""
+    chain = isinstance(at(data, ("machine", "chain")), Mapping)
+    cases = [_built_in(name) for name in built_in_cases()]
+    alike = [case for case in cases if isinstance(at(case, ("machine", "chain")), Mapping) == chain]
+    return next((table for case in alike if isinstance(table := at(case, place), Mapping)), None)
 
 
 def _joint_limits(data: Table, example: Table, place: Place) -> dict[Place, Any]:

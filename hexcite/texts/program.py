@@ -45,6 +45,11 @@ TEXTS: dict[str, tuple[str, str]] = {
     "verdict_enforces": ("The controller ({dialect}) enforces: {what}.", "Die Steuerung ({dialect}) hält ein: {what}."),
     "verdict_nobody": ("Nobody enforces: {what}.", "Niemand hält ein: {what}."),
     "verdict_beyond": ("Exceeded, and nobody enforces: {what}.", "Überschritten, und niemand hält ein: {what}."),
+    "without_settings": (
+        "No settings yet of {names}: the values of the machine have them under what is not stated, to be switched on.",
+        "Noch keine Einstellungen von {names}: Bei den Werten der Maschine lassen sie sich unter dem, was nicht "
+        "angegeben ist, einschalten.",
+    ),
     "verdict_settings": (
         "What the controller enforces, it enforces by its own settings of axes and drives: they must be no larger than "
         "the limits of the case.",

@@ -391,6 +391,15 @@ def test_a_slow_program_is_told_by_the_comments_of_every_language(name: str):
         assert found[1] == "15.250"
 
 
+def test_controls_without_settings_are_named_with_the_way_to_them(root: Path, client: TestClient):
+    case = load_case(str(new_case("posts", "strut_sensors", root / "posts")))
+    plan_folder(root, case, "posts-plan")
+    page = client.get("/m/+posts/program").text
+    assert "sinumerik, twincat" in page
+    assert 'href="/m/+posts/machine#t.controller"' in page
+    assert 'id="t.controller"' in client.get("/m/+posts/machine").text
+
+
 def test_programs_of_other_plans_stay_in_sight(root: Path, case: Case, client: TestClient):
     plan_folder(root, case)
     (root / "run.mpf").write_text(f"; plan hash {there(root).plans[0].fingerprint[:16]}\n")

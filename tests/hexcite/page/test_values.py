@@ -147,6 +147,23 @@ def test_what_stands_there_as_a_comment_is_switched_on_where_it_stands(file: Pat
         edited(content, {"w.tolerances.colour": "1", "on.tolerances.colour": "1"})
 
 
+@pytest.mark.parametrize("control", ["sinumerik", "twincat"])
+def test_a_control_that_the_example_does_not_have_is_switched_on(root: Path, control: str):
+    file = new_case("mine", "strut_sensors", root / "mine")
+    content = file.read_text()
+    case = load_case(str(file))
+    assert readiness(case)[f"post --dialect {control}"]
+    typed = {f"w.{entry.name}": entry.text for section in sections(content, case) for entry in section.more}
+    with_it = values.case_of(edited(content, {**typed, f"on.controller.{control}": "1"}).text, file)
+    assert not readiness(with_it)[f"post --dialect {control}"]
+
+
+def test_controls_of_other_machines_are_not_offered(root: Path):
+    file = new_case("mine", "five_axis_table", root / "mine")
+    offered = [entry.name for each in sections(file.read_text(), load_case(str(file))) for entry in each.more]
+    assert not [name for name in offered if name.startswith("controller.urscript")]
+
+
 def test_an_implausible_value_is_marked_beside_its_field(client: TestClient, file: Path):
     def marks() -> dict[str, bool]:
         content = file.read_text()
