@@ -35,6 +35,8 @@ LOOKS = {
     "{kept}; vorgeschlagen wird {unit}",
     "kept_out_of_range": "{names}: in {kept}, das recording.units.forces von einer anderen Datei hat, liegen sie über "
     "dem Bereich von {most} N; keine Bezeichnung nennt eine Einheit, und {unit} passt: es wird vorgeschlagen",
+    "kept_excluded": "{names}: in {kept}, das {key} von einer anderen Datei hat, können die Werte nicht sein; keine "
+    "Bezeichnung nennt eine Einheit, und {unit} passt: es wird vorgeschlagen",
     "what_a_1_is": "was eine 1 von jedem in der Einheit unseres Namens ist",
     "range_over_100": "den Bereich jedes Sensors durch 100",
     "range_of_case": "den Bereich jedes Sensors durch 100, nach [sensors] der Maschine",

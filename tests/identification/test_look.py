@@ -554,3 +554,54 @@ def test_a_kept_unit_that_puts_every_force_out_of_range_goes(hexapod_case: Case,
     form = RecordingFormat.model_validate(dict(found.settings))
     recording = read([file], case.model_copy(update={"recording": form}))
     assert np.allclose(recording.forces, table[:, 7:13], atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("key", "stated"),
+    [
+        ("recording.units.struts", {"units": {"struts": "m"}}),
+        ("recording.clock.unit", {"clock": {"unit": "us"}}),
+    ],
+)
+def test_a_kept_unit_that_values_exclude_goes(
+    key: str, stated: dict[str, object], hexapod_case: Case, tmp_path: Path
+) -> None:
+    """No label states a unit: struts that the machine does not have, or a clock of no recorder, are not proposed."""
+    table = run(hexapod_case)
+    file = Written("run.csv", [_named("time", "Axis#", "F#", "Trigger")]).write(table, tmp_path)
+    case = hexapod_case.model_copy(update={"recording": RecordingFormat.model_validate({**OF_ANOTHER_FILE, **stated})})
+    found = look(file, case)
+    assert found.reads, found.odd
+    (said,) = [line for line in found.odd if key in line]
+    assert "kept_excluded" in {entry["code"] for entry in found.to_json()["odd_phrases"]}, said
+    recording = read([file], case.model_copy(update={"recording": RecordingFormat.model_validate(found.settings)}))
+    assert recording.t is not None
+    assert recording.drives is not None
+    assert np.allclose(recording.t - recording.t[0], np.arange(ROWS) * 1e-3, atol=1e-6)
+    assert np.allclose(recording.drives, table[:, 1:7] * 1e-3, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("kept", "factor", "goes"), [("rad", 1.0, True), ("deg", 1.0, False), ("rad", np.pi / 180, False)]
+)
+def test_kept_units_of_joints_go_where_the_joints_cannot_reach(
+    kept: str, factor: float, goes: bool, tmp_path: Path
+) -> None:
+    """Joints of 40 to 130 degrees: as radians they are turns that no joint of this robot has."""
+    case = load_case("ur10_wrist")
+    assert case.chain is not None
+    t = np.arange(ROWS) * 2e-3
+    home = np.rad2deg([joint.home for joint in case.chain.joints])
+    q = home + 20.0 * np.sin(2 * np.pi * 0.5 * t[:, None] + np.arange(len(home)))
+    wrench = np.sin(2 * np.pi * 0.7 * t[:, None] + np.arange(6))
+    head = ["time", *(f"joint {k}" for k in range(1, 7)), "Fx", "Fy", "Fz", "Tx", "Ty", "Tz"]
+    file = tmp_path / "run.csv"
+    np.savetxt(file, np.column_stack([t, q * factor, wrench]), delimiter=",", comments="", header=",".join(head))
+    columns = {"fx_N": "Other.Fx"}
+    stated = RecordingFormat.model_validate({"columns": columns, "units": {"joints": kept}})
+    found = look(file, case.model_copy(update={"recording": stated}))
+    codes = {entry["code"] for entry in found.to_json()["odd_phrases"]}
+    assert ("kept_excluded" in codes) is goes, found.odd
+    recording = read([file], case.model_copy(update={"recording": RecordingFormat.model_validate(found.settings)}))
+    assert recording.drives is not None
+    assert np.allclose(recording.drives, np.deg2rad(q), atol=1e-6)

@@ -13,7 +13,7 @@ from identification.recording.formats.column_places import ColumnPlaces
 from identification.recording.formats.names.labels import StatedUnit
 from identification.recording.formats.names.meaning import span
 from identification.recording.formats.quantities import fits_range, force_unit_in_range
-from identification.recording.formats.units_by_values import units_of_values
+from identification.recording.formats.units_by_values import unit_that_fits, units_of_values
 
 
 def for_this_file(
@@ -22,7 +22,8 @@ def for_this_file(
     """What a case states, without kept units that a file which it does not read contradicts; and a sentence of each.
 
     A unit goes where all labels of its columns state another, and values do not speak for the kept one; or where no
-    label states any and the kept one puts forces beyond the range of their sensors.
+    label states any and values exclude the kept one (forces beyond the range of their sensors, struts and joints that
+    the machine does not have, a clock that no recorder has) and fit another.
 
     Args:
         stated: the `[recording]` of the case, by key.
@@ -35,6 +36,9 @@ def for_this_file(
         values = {ours: _numbers(columns, ours) for ours in of_role}
         if other is not None and not _speaks_for(case, values, str(units[role]), other):
             doubts.append(_labelled(columns, of_role, f"recording.units.{role}", units.pop(role), other))
+        elif role != Role.FORCES and not any(of_role.values()):
+            if (usual := unit_that_fits(values, units[role], case)) is not None:
+                doubts.append(_excluded(columns, of_role, f"recording.units.{role}", units.pop(role), usual))
         elif role == Role.FORCES and case is not None and case.sensors.range_N is not None:
             unlabelled = of_role and not any(of_role.values())
             forces = np.concatenate([*values.values()]) if unlabelled else np.zeros(0)
@@ -51,10 +55,13 @@ def for_this_file(
                     )
                 )
     clock = dict(stated.get("clock", {}))
-    if "unit" in clock and (label := labels.get(CLOCK)) is not None:
-        other = _other({CLOCK: label}, clock["unit"], TICKS)
-        if other is not None and not _speaks_for(case, {CLOCK: _numbers(columns, CLOCK)}, clock["unit"], other):
-            doubts.append(_labelled(columns, {CLOCK: label}, "recording.clock.unit", clock.pop("unit"), other))
+    if "unit" in clock and CLOCK in labels:
+        of_clock, stamps = {CLOCK: labels[CLOCK]}, {CLOCK: _numbers(columns, CLOCK)}
+        other = _other(of_clock, clock["unit"], TICKS)
+        if other is not None and not _speaks_for(case, stamps, clock["unit"], other):
+            doubts.append(_labelled(columns, of_clock, "recording.clock.unit", clock.pop("unit"), other))
+        elif labels[CLOCK] is None and (usual := unit_that_fits(stamps, clock["unit"], case)) is not None:
+            doubts.append(_excluded(columns, of_clock, "recording.clock.unit", clock.pop("unit"), usual))
     rest = {key: value for key, value in stated.items() if key not in ("units", "clock")}
     parts = {"units": units, "clock": clock}
     return rest | {key: value for key, value in parts.items() if value}, tuple(doubts)
@@ -85,6 +92,20 @@ def _speaks_for(case: Case | None, values: Mapping[str, Array], kept: str, other
         return False
     units, forces, most = ROLE_UNITS[Role.FORCES], np.concatenate(of_forces), case.sensors.range_N
     return fits_range(forces * units[units.symbol(kept) or kept], most) and not fits_range(forces * units[other], most)
+
+
+def _excluded(
+    columns: ColumnPlaces, of_role: Mapping[str, StatedUnit | None], key: str, kept: str, other: str
+) -> Phrase:
+    return phrase(
+        "kept_excluded",
+        "{names}: in {kept}, which {key} keeps of another file, their values cannot be; no label states a unit, and "
+        "{unit} fits: it is proposed",
+        names=span([columns.name(ours) for ours in of_role]),
+        kept=kept,
+        key=key,
+        unit=other,
+    )
 
 
 def _labelled(

@@ -53,6 +53,44 @@ def units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator[
         yield from ((ours, unit) for ours in columns)
 
 
+def unit_that_fits(values: Mapping[str, Array], kept: str, case: Case | None) -> str | None:
+    """The unit in which values of one role fit the machine, or a recorder, where they do not in the kept one.
+
+    None where they fit in the kept one, or in no other; readings of forces are `force_unit_in_range`'s.
+
+    Args:
+        values: our name -> readings as the file has them, shape (n,), of clock, struts, joints or drives.
+        kept: the unit that the case keeps.
+        case: the machine.
+    """
+    if not values or not all(np.isfinite(column).any() for column in values.values()):
+        return None
+    first = next(iter(values))
+    usual = "s" if first == CLOCK else ROLE_UNITS[ROLE_OF[first]].usual
+    other = dict(units_of_values(values, case)).get(first, usual)
+    return other if _fits(values, other, case) is True and _fits(values, kept, case) is False else None
+
+
+def _fits(values: Mapping[str, Array], unit: str, case: Case | None) -> bool | None:
+    """Whether values of one role fit in a unit; None where nothing says it."""
+    first = next(iter(values))
+    if first == CLOCK:
+        step = float(np.median(np.diff(values[CLOCK]))) if len(values[CLOCK]) > 1 else 0.0
+        return RATES[0] <= 1.0 / (step * TICKS[unit]) <= RATES[1] if step > 0.0 and unit in TICKS else None
+    role = ROLE_OF[first]
+    factor = ROLE_UNITS[role][ROLE_UNITS[role].symbol(unit) or unit]
+    if role is Role.STRUTS and case is not None and case.hexapod is not None:
+        low, high = lengths_of_struts(case)
+        return all(
+            low <= np.nanmin(column) * factor and np.nanmax(column) * factor <= high for column in values.values()
+        )
+    if role in (Role.JOINTS, Role.DRIVES) and case is not None and case.chain is not None:
+        joints = dict(zip(case.chain.columns, case.chain.joints, strict=True))
+        if values.keys() <= joints.keys():
+            return all(_within(joints[ours], column * factor) for ours, column in values.items())
+    return None
+
+
 def units_of_motion(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, tuple[str, ...], bool]]:
     """Units other than the usual ones that fit joints or angles, their columns, and whether the usual one does not."""
     chain = None if case is None else case.chain
