@@ -73,8 +73,8 @@ def alone(name: str, seeds: int) -> Iterator[tuple[str, Sequence[Mistake], int]]
         yield from ((mistake.name, (mistake,), seed) for seed in range(seeds))
 
 
-_BEFORE = ("sensor", "gravity", "point", "axes")
-"""What happens to a wrench before a recorder has it: where the sensor is, then what a controller makes of it."""
+_BEFORE = ("sensor", "gravity", "point", "axes", "signs")
+"""What happens to a wrench before a recorder has it: where the sensor is, what a controller makes of it, its signs."""
 
 
 def _happens(mistake: Mistake) -> int:

@@ -118,7 +118,8 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
             entries += _pairs(base, entries, worth)
         explained = explanations(entries, recorded)
         if explained:
-            entries += [_settled(entry) for entry in _with_sizes(entries)]
+            found = [_settled(entry) for entry in _with_sizes(entries)]
+            entries += [*found, *(plain for entry in found for plain in _without_a_size(entry))]
             explained = explanations(entries, recorded, SURER)
     finite = [entry for entry in entries if np.isfinite(entry.residuals)]
     best = min(finite, key=lambda entry: (entry.residuals, mistakes(entry.trial)), default=None)
@@ -143,6 +144,23 @@ def _settled(entry: Tried) -> Tried:
         if entry.residuals > SETTLED * before.residuals:
             break
     return entry
+
+
+def _without_a_size(entry: Tried) -> list[Tried]:
+    """A trial with what has no size in place of a size of the same kind, where it leaves about as little.
+
+    Two sizes that are found beside each other end near a round value of one of them, such as gravity along an axis.
+    """
+    instants, tables = entry.instants, hypotheses_of(entry.instants)
+    plain = (*tables.changes, *tables.bars, *tables.forces)
+    trials = [
+        together(*(other for other in entry.trial if other is not sized), hypothesis)
+        for sized in entry.trial
+        if sized.size is not None
+        for hypothesis in plain
+        if hypothesis.family is sized.family
+    ]
+    return [_settled(each) for each in _on_all(instants, trials) if each.residuals < RIVALS * entry.residuals]
 
 
 def _instants(recording: Recording, case: Case, model: Model) -> Instants | None:

@@ -109,6 +109,7 @@ def test_a_mistake_is_named(of: str, name: str) -> None:
         ("panda", ("joints 6-7 exchanged", "forces 150 ms late")),
         ("panda", ("sensor turned -90 about y", "forces 150 ms late")),
         ("hexapod", ("struts 1-4 exchanged", "forces 150 ms late")),
+        ("hexapod", ("sign of channel 2", "channels 1-2, 4-5 exchanged")),  # the sign is that of the sensor's channel
         kept=1,
     ),
 )
@@ -116,6 +117,14 @@ def test_two_mistakes_at_once_are_named_together(of: str, names: tuple[str, str]
     text = said(of, *names)
     for name in names:
         assert mistake(of, name).named_in(text), text
+
+
+@pytest.mark.slow
+def test_gravity_along_an_axis_is_no_slope_beside_a_clock_whose_pace_is_found() -> None:
+    """Both sizes are found beside each other; the case gets the axis, not 89.9 deg."""
+    names = ("gravity -x in the case", "time twice too slow")
+    text = said("hexapod", *names, seed=19)
+    assert all(mistake("hexapod", name).named_in(text) for name in names), text
 
 
 @pytest.mark.slow
