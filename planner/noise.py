@@ -197,17 +197,17 @@ def counted_information(
     return weighted if scattered is None else of_estimate(weighted, scattered)
 
 
-def information_of_known(covariance: Array, scaling: Array, noise: ExpectedNoise, samples: float) -> Array:
-    """Information of earlier results in units of the mean information of a run, shape (u, u).
+def information_of_known(covariance: Array, scaling: Array, variance: float) -> Array:
+    """Information of earlier results in units of that of what is planned, shape (u, u).
 
     Args:
         covariance: of u by their noise, shape (u, u) [SI].
         scaling: diagonal of H, shape (u,).
-        noise: of the run.
-        samples: number of its samples.
+        variance: of a force sensor's noise, where information is a sum over samples; over their number where it is a
+            mean of them [N^2].
     """
     scaled = covariance / np.outer(scaling, scaling)
-    return np.asarray(noise.sensors**2 / samples * np.linalg.inv((scaled + scaled.T) / 2.0))
+    return np.asarray(variance * np.linalg.inv((scaled + scaled.T) / 2.0))
 
 
 def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:

@@ -26,7 +26,7 @@ from identification.motion.motion import Array, Joined, Standstill, Trajectory
 from planner.bounds.certificate import Maximum
 from planner.bounds.design import EXCHANGED, Design, directional, exchanged
 from planner.families.plan_settings import AverageSettings
-from planner.noise import sensor_noise, standing_model
+from planner.noise import information_of_known, sensor_noise, standing_model
 from planner.plans.figures import PoseWorth, prediction_at_poses
 from planner.plans.plan import Plan
 from planner.plans.prediction import Gain, Promise
@@ -100,11 +100,13 @@ def poses_planned(
     unscaled = pose_regressors(model, candidates)
     scaling = candidate_scaling(unscaled)
     regressors = unscaled * scaling
+    noise, known = noise_of_average(case), request.known
     if request.method == "given":
         chosen_poses, remark = _require_valid(case, given), METHODS["given"]
         _require_rank(model, pose_regressors(model, chosen_poses) * scaling)
     else:
-        chosen_poses, remark = _choose(request, case, model, candidates, regressors, scaling, done)
+        beforehand = None if known is None else information_of_known(known.by_noise, scaling, noise**2)
+        chosen_poses, remark = _choose(request, case, model, candidates, regressors, scaling, beforehand, done)
     selected = perf_counter() - start
     poses = chosen_poses[_order(case, chosen_poses)]
     motion, limits = _motion(case, poses)
@@ -114,7 +116,6 @@ def poses_planned(
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
     bound = candidate_design(regressors).bound(len(scaling))
     criterion = Criterion(request.criterion)  # a letter will do
-    noise = noise_of_average(case)
     worth = PoseWorth(
         remark=remark,
         candidates=len(candidates),
@@ -130,7 +131,7 @@ def poses_planned(
         without=None if request.without is None else LimitKind.JERK,  # nothing else may be left out
     )
     promise, gain = Promise.of([prediction_at_poses(case, model, scaling, selection, poses, noise)]), None
-    if (known := request.known) is not None:
+    if known is not None:
         gain = Gain.of(prediction_at_poses(case, model, scaling, selection, poses, noise, known.values), known)
     seconds = perf_counter() - start
     return Plan(
@@ -320,9 +321,10 @@ def _choose(
     poses: Array,
     regressors: Array,
     scaling: Array,
+    known: Array | None,
     done: Callable[[int], None],
 ) -> tuple[Array, str]:
-    """Chosen poses, shape (n, 6) [m, rad], and the result of the choice in one phrase."""
+    """Chosen poses, shape (n, 6) [m, rad], and the result of the choice in one phrase; `known` as of `reduce_best`."""
     count = request.wanted(len(poses), regressors.shape[2])
     _require_rank(model, regressors)
     criterion = Criterion(request.criterion)  # a letter will do
@@ -331,7 +333,7 @@ def _choose(
     change = request.method == "backward-change"
     if change or not criterion.losses_grow:
         _require_few(poses)
-    indices, _ = reduce_best(regressors, criterion, count, done, change)
+    indices, _ = reduce_best(regressors, criterion, count, done, change, known)
     if len(indices) > count:
         raise InfeasiblePlan(
             problem=f"{count} poses do not determine model {request.model}: Algorithm 1 ends at "
@@ -341,7 +343,7 @@ def _choose(
         )
     if request.method in ("backward", "backward-change"):
         return poses[indices], "as many as asked for"
-    refined, status = refine(case, model, scaling, criterion, poses[indices])
+    refined, status = refine(case, model, scaling, criterion, poses[indices], known)
     return refined, phrase("refined", "refined ({status})", status=said(status))
 
 

@@ -47,15 +47,18 @@ def reduce_best(
     count: int,
     done: Callable[[int], None] = lambda _: None,
     smallest_change: bool = False,
+    known: Array | None = None,
 ) -> tuple[Index, Index]:
     """Removes poses one by one, each time the one without which the criterion is best, or changes least.
 
     Stops early where every further removal would lose rank: what remains is the smallest set that the algorithm finds.
+    The poses alone keep their rank, whatever is known: they are evaluated by themselves before they are pooled.
 
     Args:
         regressors: scaled regressors of all poses, shape (n, 6, u); together of full rank.
         done: called with the number of remaining poses after each removal.
         smallest_change: whether the criterion shall change least, for better or worse.
+        known: information that earlier results add to the sum over poses, shape (u, u).
 
     Returns:
         Indices of the remaining poses, ascending, shape (r,), and of the others in the order of removal, (n - r,).
@@ -63,16 +66,21 @@ def reduce_best(
     rest: Index = np.arange(len(regressors))
     # Lower bounds of what each pose costs: where losses grow, that in a larger set; else all poses are evaluated.
     losses = np.zeros(len(rest)) if criterion.losses_grow and not smallest_change else np.full(len(rest), -np.inf)
-    information = total_information(regressors)
+    beforehand = 0.0 if known is None else known
+    information = total_information(regressors) + beforehand
     removed: list[int] = []
     while len(rest) > count:
         if len(rest) <= FEW or len(removed) % EXACT == 0:
-            information = total_information(regressors[rest])
-        now = float(criterion.of(information))
-        after = _after_removals(regressors, criterion, information, rest, losses)
+            information = total_information(regressors[rest]) + beforehand
+        now, open_to = float(criterion.of(information)), np.arange(len(rest))
+        if known is not None and len(rest) <= FEW:  # the criterion does not see that poses alone would lose rank
+            open_to = open_to[[full_rank(regressors[np.delete(rest, k)]) for k in open_to]]
+            if not len(open_to):
+                break
+        after = _after_removals(regressors, criterion, information, rest[open_to], losses)
         merit = -np.abs(after - now) if smallest_change else after
         best = float(merit.max())
-        position = int(np.argmax(merit >= best - TIE * abs(now if smallest_change else best)))
+        position = int(open_to[np.argmax(merit >= best - TIE * abs(now if smallest_change else best))])
         if not np.isfinite(best) or (len(rest) <= FEW and not full_rank(regressors[np.delete(rest, position)])):
             break
         removed.append(int(rest[position]))
@@ -104,10 +112,17 @@ HALVINGS = 2  # halvings of the p-norm that smooths extreme eigenvalues, p = 8
 INSIDE = 1e-7  # distance from every edge, so that rounding of the solver cannot leave the space
 
 
-def refine(case: Case, model: Model, scaling: Array, criterion: Criterion, poses: Array) -> tuple[Array, str]:
+def refine(
+    case: Case, model: Model, scaling: Array, criterion: Criterion, poses: Array, known: Array | None = None
+) -> tuple[Array, str]:
     """Valid poses of full rank refined by IPOPT, or themselves where nothing better was found; the solver's status.
 
     K and N are optimised by a smooth p-norm of the eigenvalues and rated by their exact values.
+
+    Args:
+        scaling: of the columns of the regressor, shape (u,).
+        poses: shape (n, k) [m or rad].
+        known: information that earlier results add to the sum over poses, shape (u, u).
     """
     space = space_of(case)
     count = len(poses)
@@ -115,6 +130,8 @@ def refine(case: Case, model: Model, scaling: Array, criterion: Criterion, poses
     information, limits = _pose_functions(model, scaling, space, poses.shape[1])
     like = ca.DM(poses).T
     triangle = ca.sum2(information.map(count)(shares, like)) / count
+    if known is not None:
+        triangle += ca.densify(ca.DM(known)[ca.Sparsity.lower(len(scaling)).find()]) / count
     margins = ca.vec(limits.map(count)(shares, like))
     objective = _objective(criterion, len(scaling))  # it must live as long as the solver
     low, high = space.ends
@@ -132,16 +149,20 @@ def refine(case: Case, model: Model, scaling: Array, criterion: Criterion, poses
     solution = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
     status = SolverStatus(solver.stats()["return_status"]).words
     refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
-    before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
+    before, after = (_value(model, scaling, criterion, p, known) for p in (poses, refined))
     if not (after > before and valid_poses(case, refined).all()):
         return poses, phrase("nothing_better", "{status}; nothing better found", status=status)
     return refined, status
 
 
-def _value(model: Model, scaling: Array, criterion: Criterion, poses: Array) -> float:
+def _value(model: Model, scaling: Array, criterion: Criterion, poses: Array, known: Array | None) -> float:
+    """Of poses, with what is known; minus infinity of those that alone do not determine all parameters."""
     if not np.isfinite(poses).all():
         return -np.inf
-    return float(criterion.of(total_information(pose_regressors(model, poses) * scaling)))
+    regressors = pose_regressors(model, poses) * scaling
+    if known is not None and not full_rank(regressors):
+        return -np.inf
+    return float(criterion.of(total_information(regressors) + (0.0 if known is None else known)))
 
 
 def _pose_functions(model: Model, scaling: Array, space: Space, coordinates: int) -> tuple[ca.Function, ca.Function]:

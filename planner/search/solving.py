@@ -203,7 +203,7 @@ class _Run:
         self.known = None
         if task.known is not None:
             samples = task.case.recording.rate_Hz * self.family.duration
-            self.known = information_of_known(task.known, self.scaling, noise, samples)
+            self.known = information_of_known(task.known, self.scaling, noise.sensors**2 / samples)
         margin = UNUSED_SHARE + SLIPPED
         program = build_program(task.case, self.model, self.family, self.scaling, margin, self.errors, self.known)
         self.program = replace(program, regressor=regressor)

@@ -6,7 +6,7 @@ import pytest
 
 from identification.estimation.criteria import Criterion, pose_regressors, total_information
 from planner.poses.planned_poses import candidate_design
-from planner.poses.removal import reduce_best, refine
+from planner.poses.removal import full_rank, reduce_best, refine
 from planner.poses.space import valid_poses
 from tests.helpers import few
 from tests.planner.poses.conftest import Setting
@@ -53,3 +53,32 @@ def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, lette
     exact = value(letter, pose_regressors(sample.model, found) * sample.scaling)
     assert exact > value(letter, sample.regressors[start])
     assert valid_poses(sample.case, found).all()
+
+
+def exact(found: np.ndarray, sample: Setting, known: np.ndarray | float) -> float:
+    """Determinant's logarithm of poses and of what is known, from the regressor itself."""
+    regressors = pose_regressors(sample.model, found) * sample.scaling
+    return float(np.linalg.slogdet(total_information(regressors) + known)[1])
+
+
+def test_poses_beside_what_is_known_measure_what_is_missing(sample: Setting) -> None:
+    """Known are ten poses that all lean to one side, measured twenty times: what leans to the other adds most."""
+    criterion = Criterion.D
+    alone = reduce_best(sample.regressors, criterion, 10)[0]
+    known = 20.0 * total_information(sample.regressors[np.argsort(sample.poses[:, 3])[-10:]])
+    beside = reduce_best(sample.regressors, criterion, 10, known=known)[0]
+    assert full_rank(sample.regressors[beside])
+    joint, single = ([exact(sample.poses[kept], sample, more) for kept in (alone, beside)] for more in (known, 0.0))
+    assert joint[1] > joint[0] + 1.0
+    assert single[1] < single[0] - 1.0
+    found, _ = refine(sample.case, sample.model, sample.scaling, criterion, sample.poses[beside], known)
+    assert exact(found, sample, known) > joint[1] + 0.05
+    assert valid_poses(sample.case, found).all()
+
+
+def test_poses_keep_their_rank_where_all_is_known(sample: Setting) -> None:
+    """Results that tell everything leave nothing to choose by, yet a run is evaluated by itself."""
+    known = 1e12 * np.eye(14)
+    kept, _ = reduce_best(sample.regressors[:40], Criterion.D, 1, known=known)
+    assert full_rank(sample.regressors[kept])
+    assert all(not full_rank(sample.regressors[np.delete(kept, k)]) for k in range(len(kept)))

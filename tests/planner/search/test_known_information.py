@@ -29,7 +29,7 @@ def test_the_motion_adds_most_to_an_earlier_run(name: str, hexapod_case: Case):
     information, duration = mean_of(case, alone), 0.5 * family.duration
     known = noise_covariance(case, scaling, information, duration, noise.sensors)
     samples = case.recording.rate_Hz * family.duration
-    assert information_of_known(known, scaling, noise, samples) == pytest.approx(0.5 * information)
+    assert information_of_known(known, scaling, noise.sensors**2 / samples) == pytest.approx(0.5 * information)
 
     beside = run_start(Task(case, NUMBER, family, "D", 1, known=known))
     joint = [np.linalg.slogdet(mean_of(case, start) + 0.5 * information)[1] for start in (alone, beside)]
