@@ -5,9 +5,10 @@ from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, PlainSerializer, model_validator
+from pydantic_core import PydanticKnownError
 
 from cases.base.phrases import phrase
-from cases.tables import NonNegative, Part
+from cases.tables import LARGEST, NonNegative, Part
 
 KINDS = {
     "joints_mm": "drawing",
@@ -78,8 +79,17 @@ class Spread(Part):
 
 
 def _spread(value: Any) -> Any:
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    """The table of a deviation that is written as a number; what is wrong with the number is said at its own key."""
+    if isinstance(value, dict | Spread):
         return value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise PydanticKnownError("float_type")
+    if not np.isfinite(value):
+        raise PydanticKnownError("finite_number")
+    if value < 0.0:
+        raise PydanticKnownError("greater_than_equal", {"ge": 0.0})
+    if value > LARGEST:
+        raise PydanticKnownError("less_than_equal", {"le": LARGEST})
     return {"std": float(value)}
 
 

@@ -1,7 +1,8 @@
-"""Parameters in use on machines off their cases: are tared offsets and external forces off by what is reported?
+"""Parameters in use on machines off their cases: are offsets, forces, payloads and chains off by what is reported?
 
 python tests/bench/forces_in_use.py        # 24 drawn machines and the built-in ones, noise of four kinds
 python tests/bench/forces_in_use.py 8      # fewer
+python tests/bench/forces_in_use.py 12 --of hexapod ur10_wrist --first 92000      # so many truths of each of these
 """
 
 import argparse
@@ -19,12 +20,16 @@ from cases.base.errors import HexciteError
 from cases.schema import Case
 from identification.identify import identify
 from identification.recording.recording import Recording
+from identification.results.chain_uncertainty import anywhere
 from identification.results.force import force
+from identification.results.frames import place_of
+from identification.results.payload import payload
 from identification.results.result import Result
 from identification.results.taring import tare
 from tests.bench.silent import MACHINES, NOISES, drawn_machines, way_of
 from tests.bench.tolerances import KINDS, case_off
 from tests.damaged.runs import SOUND, Change, Machine, Noise, machine, recorded
+from tests.machines_in_numpy import Body
 
 FRAMES = ("sensor", "base", "flange")
 HELD = np.array([40.0, -25.0, 30.0, 3.0, -2.0, 1.5])  # what sensors hold against a force from outside, along {P}
@@ -99,6 +104,33 @@ def force_errors(of: Machined, result: Result, seed: int, frame: str) -> np.ndar
     return (found.wrench[rows] - true) / found.std[rows]
 
 
+def payload_errors(of: Machined, result: Result, seed: int) -> np.ndarray:
+    """Errors of a body that was mounted after the result, a third of the load, over deviations, shape (10,)."""
+    load = of.of.plant.body
+    size = float(np.cbrt(np.linalg.det(load.inertia / load.mass) ** 0.5))  # length of which its inertia is
+    added = Body(load.mass / 3.0, load.centre + size * np.array([0.3, -0.2, 0.5]), load.inertia / 8.0)
+    both = load.mass + added.mass
+    centre = (load.mass * load.centre + added.mass * added.centre) / both
+    inertia = np.zeros((3, 3))
+    for body in (load, added):
+        arm = body.centre - centre
+        inertia += body.inertia + body.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    loaded = replace(of.of.plant, body=Body(both, centre, inertia))
+    run = of.run(way_of(of.of, seed + 11, 4.0 + seed % 3), seed + 11, Change(plant=loaded))
+    found = payload(result, identify(run, of.case)).parameters
+    true = {"m": added.mass} | {f"{axis}C": float(v) for axis, v in zip("xyz", added.centre, strict=True)}
+    true |= {f"IC{i + 1}{j + 1}": float(added.inertia[i, j]) for i in range(3) for j in range(i, 3)}
+    return np.array([(found[name].value - value) / found[name].reported for name, value in true.items()])
+
+
+def chain_errors(of: Machined, result: Result, seed: int) -> np.ndarray:
+    """Errors of forces over half of the U that an exported chain states anywhere in the motion box, shape (n, 6)."""
+    pulled = Change(pull=lambda now: np.broadcast_to(HELD, (len(now.q), 6)))
+    found = force(of.run(way_of(of.of, seed + 9, 3.0), seed + 9, pulled), result)
+    promise = anywhere(result, place_of(result.case_as_told, "sensor", at_home=False)).of(-HELD)
+    return (found.wrench[:: max(len(found.t) // 24, 1)] + HELD) / (promise / 2.0)
+
+
 def figures(errors: list[np.ndarray]) -> str:
     size = np.abs(np.concatenate([e.ravel() for e in errors]))
     inside, beyond = np.mean(size < 1.96), np.mean(size > 3.0)
@@ -109,29 +141,34 @@ def main() -> None:
     """Prints each machine, then all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("count", type=int, nargs="?", default=24)
+    parser.add_argument("--of", nargs="*", help="names of machines, of each of which so many truths are drawn")
+    parser.add_argument("--first", type=int, default=91_000, help="seed of the first")
     asked = parser.parse_args()
-    names = [*itertools.islice(drawn_machines(91_000), asked.count), *MACHINES]
-    offsets, forces = [], {frame: [] for frame in FRAMES}
-    for seed, name in enumerate(names, 91_000):
-        kind = KINDS[seed % len(KINDS)]
+    names = [*itertools.islice(drawn_machines(asked.first), asked.count), *MACHINES]
+    if asked.of:
+        names = [name for _ in range(asked.count) for name in asked.of]
+    every: dict[str, list[np.ndarray]] = {}
+    for seed, name in enumerate(names, asked.first):
+        kind = KINDS[(seed // len(asked.of) if asked.of else seed) % len(KINDS)]
         try:
             of = Machined.drawn(name, seed, kind)
             result = identify(of.run(way_of(of.of, seed, 4.0 + seed % 3), seed), of.case)
             off, narrower = tare_errors(of, result, seed + 3)
-            offsets.append(off)
-            line = f"{name} | {kind} | tare {np.sqrt(np.mean(off**2)):.2f} ({narrower.mean():.2f} times narrower)"
+            errs = {"tared offsets": off, "payload": payload_errors(of, result, seed)}
             for frame in FRAMES:
                 if frame == "flange" and (of.case.chain is None or of.case.flange_from_sensor is None):
                     continue
-                err = force_errors(of, result, seed, frame)
-                forces[frame].append(err)
-                line += f" | {frame} {np.sqrt(np.mean(err**2)):.2f}"
-            print(line, flush=True)
+                errs[f"force, {frame}"] = force_errors(of, result, seed, frame)
+            errs["exported chain"] = chain_errors(of, result, seed)
+            each = ", ".join(f"{what} {np.sqrt(np.mean(err**2)):.2f}" for what, err in errs.items())
+            print(f"{name} | {kind} | {each} | offsets {narrower.mean():.2f} times narrower", flush=True)
+            for what, err in errs.items():
+                for of_what in (what, f"{what} of {name}") if asked.of else (what,):
+                    every.setdefault(of_what, []).append(err)
         except HexciteError as error:
             print(f"{name} | {kind} | {type(error).__name__}: {error}", flush=True)
-    print("tared offsets:", figures(offsets))
-    for frame, errs in forces.items():
-        print(f"force, {frame}:", figures(errs))
+    for what, all_errors in sorted(every.items()):
+        print(f"{what}: {figures(all_errors)}")
 
 
 if __name__ == "__main__":
