@@ -11,7 +11,8 @@ Where the case cannot be right, either one part is not, or stated tolerances are
 the second kind the size that fits best by itself, the others as stated, need not be off at all. So each is tried again
 beside others that are t times larger than stated, t with the likelihood of the scores that this size does not change
 (half of what is thought of t beforehand is that it is 1). The likeliest is named if the mean of its chance over t is
-small, and beside it those that make the scores nearly as likely and that it would explain.
+small, smaller than what doubts the case, for who reads a name takes that part off; and beside it those that make the
+scores nearly as likely and that it would explain.
 """
 
 from typing import NamedTuple
@@ -23,6 +24,7 @@ from cases.base.units import Array
 from identification.estimation.score_test import Noise, chance_of
 
 UNLIKELY = 1e-3  # chance of so much in a run of a machine that is as its case states, below which the case is doubted
+NAMED_BELOW = 1e-4  # mean chance of one part, below which it is named
 LOOKED_AT = 3.0  # deviations of both, below which a size is never that unlikely
 SEEN = 0.5  # variance by stated sizes over that by noise, from which on a direction tells of all sizes together
 SMALLEST, LARGEST = 1.0, 1e3  # times that stated tolerances may be larger in truth
@@ -91,7 +93,7 @@ def standing_out(news: Array, through: Array, noise: Noise) -> tuple[Part, ...]:
     if not ranked:
         return ()
     first, *others = ranked
-    if (part := first.part(news, through, noise)).chance >= UNLIKELY:
+    if (part := first.part(news, through, noise)).chance >= NAMED_BELOW:
         return ()
     near = [one for one in others if one.unlikely < first.unlikely + 2.0 * np.log(NEARLY)]
     instead = [one for one in near if _explained(one.place, first.place, news, through, noise)]

@@ -6,6 +6,7 @@ import pytest
 from cases.base.units import Array
 from identification.estimation.score_test import Noise
 from identification.findings.contradiction import (
+    NAMED_BELOW,
     UNLIKELY,
     chance_of_all,
     chance_of_one,
@@ -61,10 +62,25 @@ def test_one_part_that_is_far_off_is_named_with_its_size() -> None:
         news = scores(draw) + size * THROUGH[:, best]
         part = standing_out(news, THROUGH, known())[0]
         assert part.place == best
-        assert part.chance < UNLIKELY
+        assert part.chance < NAMED_BELOW
         assert chance_of_one(news, THROUGH, known()) < UNLIKELY
         assert abs(part.size - size) < 3.5 * np.hypot(1.0, part.std)
         assert part.deviations == pytest.approx(abs(part.size) / np.hypot(1.0, part.std))
+
+
+def test_a_case_is_doubted_before_a_part_is_named() -> None:
+    """A name costs a part that is taken off: it wants more than the doubt does."""
+    draw = np.random.default_rng(5)
+    best, noise = int(np.argmax(np.sum(THROUGH**2, axis=0))), scores(draw)
+    doubted, named = [], []
+    for size in np.arange(2.0, 30.0):
+        news = noise + size * THROUGH[:, best]
+        doubted.append(chance_of_one(news, THROUGH, known()) < UNLIKELY)
+        parts = standing_out(news, THROUGH, known())
+        named.append(bool(parts))
+        assert not parts or parts[0].chance < 1e-4
+    assert 0 < np.argmax(doubted) < np.argmax(named)
+    assert named[-1]
 
 
 def test_a_part_that_another_equals_is_named_with_it() -> None:
