@@ -6,7 +6,8 @@ fast or strongly joints move may be missing or impossible: it counts as not stat
 """
 
 import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
@@ -29,6 +30,7 @@ from cases.urdf_tree import (
     carriers_of,
     cluster_of,
     fixed_to,
+    in_unit,
     link_from_element,
     listed,
     named_elements,
@@ -42,6 +44,7 @@ from cases.urdf_tree import (
 
 _MOVING = ("revolute", "continuous", "prismatic")
 TOOL0 = "tool0"  # ROS-Industrial: the frame that the robot's controller counts tools from
+_SENSOR_WORDS = {"ft", "fts", "force", "torque", "forcetorque", "sensor", "wrench"}  # in names of links
 MOST_TURN, MOST_SPEED = 4.0 * math.pi, 20.0  # [rad, rad/s] beyond them numbers look like degrees
 
 
@@ -119,6 +122,8 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
         findings.require_none()
     assert flange is not None  # a link's name
     fixed = fixed_to(carriers) if a_tree else {}
+    load_roots = _load_roots(flange, sensor, fixed)
+    loaded = {name for root in load_roots for name, _ in cluster_of(root, fixed) if name not in load_roots}
     way = way_to(flange, carriers)
     base = way[0].attrib[PARENT] if way else flange
     moving = [element for element in way if _moves(element, findings)]
@@ -136,7 +141,7 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
         _require_once(element, findings)
         place = place @ link_from_element(element, findings)
         if element in moving:
-            body = _body(cluster_of(element.attrib[CHILD], fixed, flange), links, findings) if a_tree else None
+            body = _body(cluster_of(element.attrib[CHILD], fixed, load_roots), links, findings) if a_tree else None
             joints.append(_joint(element, place, body, findings))
             place = np.eye(4)
     if not a_tree:
@@ -149,15 +154,41 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
     sensed = place if sensor is None else behind[sensor]
     stated = sensor is not None or _is_controllers(flange, behind, findings)
     starts = [base, *(element.attrib[CHILD] for element in moving)]
-    standing, *bodies = (_bodies(cluster_of(start, fixed, flange), links, folder, findings) for start in starts)
+    standing, *bodies = (_bodies(cluster_of(start, fixed, load_roots), links, folder, findings) for start in starts)
     flange_frame = _frame(place) if stated else None
-    carrier = sensor if sensor is not None else flange
-    carried = [(name, at) for name, at in cluster_of(carrier, fixed) if name != carrier]
+    if sensor is None:
+        _note_sensors(flange, [name for name, _ in cluster_of(flange, fixed)][1:], findings)
+    sensor_from_link = np.linalg.inv(sensed)
+    carried = [(name, sensor_from_link @ behind[name]) for name in behind if name in loaded]
     load = _body(iter(carried), links, findings)
     heavy = tuple(name for name, _ in carried if links[name].find("inertial") is not None)
     frames = (flange_frame, _frame(sensed))
     tool = _bodies(iter(carried), links, folder, findings)
     return Arm(base, tuple(joints), *frames, findings.notes(), standing, tuple(bodies), load, heavy, tool)
+
+
+def _load_roots(flange: str, sensor: str | None, fixed: Mapping[str, list[Element]]) -> tuple[str, ...]:
+    """Links behind which everything loads the sensor: its own, and the flange where the sensor is not behind that.
+
+    What stands between flange and sensor, as an adapter and the sensor's housing, moves with the last joint. A sensor
+    beside the flange is built into the wrist, and the tool that a file fixes to the flange loads it too.
+    """
+    if sensor is None:
+        return (flange,)
+    if sensor in [name for name, _ in cluster_of(flange, fixed)]:
+        return (sensor,)
+    return (sensor,) if flange in [name for name, _ in cluster_of(sensor, fixed)] else (sensor, flange)
+
+
+def _note_sensors(flange: str, behind: Sequence[str], findings: Findings) -> None:
+    """Notes links behind the flange whose names say that one of them is the sensor's."""
+    if any(_SENSOR_WORDS & {*re.findall("[a-z]+", name.lower())} for name in behind):
+        findings.note(
+            "link",
+            flange,
+            f"behind it stand {listed(behind)}: all of them count as the sensor's load; "
+            f"where one is the frame of the sensor, give --flange {flange} --sensor LINK",
+        )
 
 
 def _bodies(
@@ -227,16 +258,18 @@ def _joint(joint: Element, place: Array, link: RigidBody | None, findings: Findi
         findings.note("joint", name, "its ends are infinite: it is taken as continuous")
     entries = _frame(place).model_dump() | {"name": name, "kind": kind, "axis": tuple(axis / np.linalg.norm(axis))}
     limits = JointLimit.model_construct(name=name)
+    texts = limit.attrib if limit is not None else {}
     if (velocity := positive_in(limit, "velocity")) is None:
         findings.note("joint", name, "no velocity above 0 is stated: fill in that of limits.motion")
     else:
-        limits = limits.model_copy(update={f"velocity_{unit}_s": velocity / si})
+        limits = limits.model_copy(update={f"velocity_{unit}_s": in_unit(texts["velocity"], velocity, si)})
     if (effort := positive_in(limit, "effort")) is None:
         findings.note("joint", name, f"no effort above 0 is stated: {effort_key} limits nothing until you state it")
     else:
         entries[effort_key] = effort
     if ends is not None:
-        entries[f"position_{unit}"] = ends[0] / si, ends[1] / si
+        keys = ("lower", "upper")
+        entries[f"position_{unit}"] = tuple(in_unit(texts.get(k, ""), v, si) for k, v in zip(keys, ends, strict=True))
     _note_units(name, slides, ends, velocity or 0.0, findings)
     return Joint.model_construct(**entries, link=link), limits
 

@@ -18,6 +18,7 @@ from cases.machine import turned
 MOST_BYTES = 8 * 2**20
 LONGEST_NAME = 200  # characters of a link or joint
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_DECIMALS = re.compile(r"[+-]?\d*\.\d{4,}")  # of a number that was rounded, where it has so many
 _LONGEST_NUMBER = 64  # characters
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 _MOST = 1e6  # of any number, in units of SI: beyond any machine
@@ -195,17 +196,17 @@ def fixed_to(carriers: Mapping[str, Element]) -> dict[str, list[Element]]:
     return fixed
 
 
-def cluster_of(link: str, fixed: Mapping[str, list[Element]], flange: str | None = None) -> Iterator[tuple[str, Array]]:
+def cluster_of(link: str, fixed: Mapping[str, list[Element]], ends: Sequence[str] = ()) -> Iterator[tuple[str, Array]]:
     """A link and all that is fixed to it: name, and place in that link, shape (4, 4) [-, m].
 
-    What stands behind the flange is left out: it is the load's. Origins that are unsound are reported on the way to
-    the flange only; elsewhere they are taken as they can be.
+    What stands behind one of the links `ends` is left out: it is the load's. Origins that are unsound are reported on
+    the way to the flange only; elsewhere they are taken as they can be.
     """
     waiting = [(link, np.eye(4))]
     while waiting:
         name, link_from_fixed = waiting.pop()
         yield name, link_from_fixed
-        if name != flange:
+        if name not in ends:
             children = ((joint.attrib[CHILD], link_from_element(joint, Findings())) for joint in fixed.get(name, ()))
             waiting.extend((child, link_from_fixed @ place) for child, place in children)
 
@@ -254,6 +255,21 @@ def number_in(text: str) -> float | None:
         return None
     value = float(text)
     return value if abs(value) <= _MOST else math.copysign(math.inf, value)
+
+
+def in_unit(text: str, value: float, si: float) -> float:
+    """A number of SI in another unit, with no more digits than its text states: 2.094395 rad are 120 deg.
+
+    Of fewer than four decimals it is taken as exact.
+
+    Args:
+        si: the unit [SI].
+    """
+    decimals = len(text.strip().partition(".")[2])
+    exact = value / si
+    if not _DECIMALS.fullmatch(text.strip()):
+        return exact
+    return next((v for v in (round(exact, k) for k in range(12)) if abs(v - exact) * si <= 0.5 * 10**-decimals), exact)
 
 
 def shown(text: str | None) -> str:

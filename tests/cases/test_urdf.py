@@ -57,7 +57,7 @@ def test_mujoco_reads_the_same_robot(robot: str, tmp_path: Path) -> None:
     n = len(chain.joints)
     names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, k) for k in range(n)]
     assert list(chain.names) == names
-    np.testing.assert_allclose(chain.position.T, model.jnt_range[:n], atol=1e-12)
+    np.testing.assert_allclose(chain.position.T, model.jnt_range[:n], atol=5e-5)  # half of the last digit
     np.testing.assert_allclose(np.degrees(chain.home), HOMES[robot], atol=1e-12)
     assert limits.rate.min() > 2.0
     q = np.random.default_rng(0).uniform(-3.0, 3.0, (20, n))
@@ -311,6 +311,68 @@ def test_a_flange_and_a_sensor_behind_it_are_both_written(tmp_path: Path) -> Non
     assert re.search("ft: .*--flange tool0 --sensor ft", open_ended.notes[0])
     with pytest.raises(CaseError, match=r"link forearm is not fixed to link tool0; name .*tool0"):
         arm(tmp_path, sensor="forearm")
+
+
+def fixed_link(name: str, parent: str, z: float, mass: float = 0.0) -> str:
+    """A link that is fixed to another one at a height [m]; with a mass, it is a cube of 20 mm there."""
+    inside = f'<inertial><mass value="{mass}"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3"/></inertial>'
+    inside += '<collision><geometry><box size="0.02 0.02 0.02"/></geometry></collision>'
+    return (
+        f'<link name="{name}">{inside if mass else ""}</link><joint name="to_{name}" type="fixed">'
+        f'<origin xyz="0 0 {z}"/><parent link="{parent}"/><child link="{name}"/></joint>'
+    )
+
+
+def with_links(tmp_path: Path, *links: str, flange: str = "tool0", sensor: str | None = "ft") -> Arm:
+    return arm(tmp_path, ("</robot>", "".join([*links, "</robot>"])), flange=flange, sensor=sensor)
+
+
+def test_an_adapter_and_the_sensors_housing_move_with_the_last_link(tmp_path: Path) -> None:
+    """They weigh on the joints, and are kept apart, but do not load the sensor."""
+    bare = with_links(tmp_path, sensor=None)
+    housing, camera = fixed_link("housing", "tool0", 0.01, 0.3), fixed_link("camera", "tool0", 0.05, 0.2)
+    found = with_links(
+        tmp_path, housing, camera, fixed_link("ft", "housing", 0.02, 0.1), fixed_link("hand", "ft", 0.03, 0.9)
+    )
+    assert found.load_links == ("hand",)
+    assert found.load is not None
+    np.testing.assert_allclose(found.load.centre_of_gravity_mm, [0.0, 0.0, 30.0], atol=1e-9)
+    last, last_bare = found.joints[-1][0].link, bare.joints[-1][0].link
+    assert last is not None
+    assert last_bare is not None
+    assert last.mass_kg == pytest.approx(last_bare.mass_kg + 0.3 + 0.2 + 0.1)
+    assert {body.name for body in found.bodies[-1]} == {"housing", "camera", "ft"}
+    assert [body.name for body in found.tool] == ["hand"]
+
+
+def test_a_tool_on_the_flange_loads_a_sensor_in_the_wrist(tmp_path: Path) -> None:
+    """The sensor's link is beside the flange in the file, as that of Universal Robots, or before it."""
+    beside = fixed_link("ft", "wrist_3", 0.0), fixed_link("hand", "tool0", 0.03, 0.9)
+    before = fixed_link("ft", "tool0", 0.0), fixed_link("end", "ft", 0.01), fixed_link("hand", "end", 0.03, 0.9)
+    for links, flange in ((beside, "tool0"), (before, "end")):
+        found = with_links(tmp_path, *links, flange=flange)
+        assert found.load_links == ("hand",)
+        assert found.load is not None
+        assert found.load.mass_kg == pytest.approx(0.9)
+        last = found.joints[-1][0].link
+        assert last is not None
+        assert last.mass_kg == pytest.approx(1.0 + 7 / 4)  # of wrist_3 alone
+
+
+@pytest.mark.parametrize(("name", "noted"), [("ft_frame", True), ("axia_ft80", True), ("left_hand", False)])
+def test_a_link_behind_the_flange_that_may_be_the_sensors_is_named(name: str, noted: bool, tmp_path: Path) -> None:
+    found = with_links(tmp_path, fixed_link(name, "tool0", 0.04), sensor=None)
+    assert any(name in note and "--sensor LINK" in note for note in found.notes) == noted
+    assert not with_links(tmp_path, fixed_link(name, "tool0", 0.04), sensor=name).notes
+
+
+def test_ends_have_no_more_digits_than_the_file_states(tmp_path: Path) -> None:
+    """So that a joint of 120 deg can be used from -120 to 120 deg; a number of many digits is taken as it is."""
+    found = arm(tmp_path, (ELBOW_LIMIT, '<limit lower="-2.094395" upper="1.23456789012" velocity="2.9671"/>'))
+    joint, limit = next(entry for entry in found.joints if entry[0].name == "elbow_joint")
+    low, high = joint.position_deg
+    assert (low, limit.velocity_deg_s) == (-120.0, 170.0)
+    assert high == pytest.approx(np.degrees(1.23456789012), abs=1e-9)
 
 
 def test_digits_may_come_first_in_a_name(tmp_path: Path) -> None:
