@@ -146,6 +146,7 @@ def payload(
     case: OwnCase = None,
     frame: LoadFrame = default_of(LoadFrame),
     target: PayloadTarget = default_of(PayloadTarget),
+    preview: Annotated[bool, option("Print what --to would write, and write nothing.", "--preview")] = False,
     force: DespiteWarnings = default_of(DespiteWarnings),
     output: Annotated[
         Path | None, out("JSON file to write, with a page beside it; with --to the file of the target.")
@@ -161,6 +162,12 @@ def payload(
     With --reference: E_n of each, the difference over the root of both squared U (k = 2); exit code 1 where one is
     above 1.
     """
+    if preview and target is None:
+        raise HexciteError(
+            problem="--preview shows what --to would write, and there is none",
+            remedy="add --to with a target, such as --to urscript, or leave --preview out",
+            code=Code.CONTRADICTION,
+        )
     places = [[before, *(more_before or ())], [after, *(more_after or ())]]
     if target is None and output is not None:
         for file, suffix in ((output, ".json"), (output.with_suffix(".html"), ".html")):
@@ -183,7 +190,10 @@ def payload(
         verdict = verdict_of_references(reference, difference.parameters, difference.empty.model.number)
         answer["reference"] = verdict.to_json()
         texts.append(verdict)
-    if target is not None:
+    if preview and target is not None:
+        answer["texts"] = shown = dict(hx.preview(difference, target, frame=frame))
+        texts += [text.rstrip("\n") for text in shown.values()]
+    elif target is not None:
         files = hx.export(difference, target, output, frame=frame, force=force, overwrite=overwrite)
         answer["file"] = str(files[0])
         texts.append(f"payload written: {files[0]}")

@@ -49,6 +49,10 @@ def test_a_reference_of_a_payload_needs_an_uncertainty(folder: Path) -> None:
     assert "m=2kg" in call("payload", *runs, "--reference", "m=2kg").refusal()
     agrees = call("payload", *runs, "--reference", "m=5+-0.02kg", "--json").json()
     assert agrees["reference"]["passed"]
+    (text,) = call("payload", *runs, "--to", "urdf", "--preview", "--json").json()["texts"].values()
+    call("payload", *runs, "--to", "urdf", "-o", folder / "tool.xml")
+    assert text == (folder / "tool.xml").read_text()
+    assert "--to" in call("payload", *runs, "--preview").refusal()
     tool = folder / "tool.json"
     differs = call("payload", *runs, "--reference", "m=5.5+-0.02kg", "--frame", "sensor", "-o", tool)
     page = tool.with_suffix(".html").read_text()
