@@ -54,7 +54,16 @@ def proven_program(
     resolution = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case).resolution
     named = case if speed == 1.0 else case.named_slow()
     program = _without_nothing(dialect.prepare(excitation_program(trajectory, case, speed), case), resolution, case)
-    text = dialect.form(dialect.write((*header, *program), named), path.suffix.lower(), case)
+    written = dialect.write((*header, *program), named)
+    text = dialect.form(written, path.suffix.lower(), case)
+    if lost := left_out(written) - left_out(text):
+        raise ProgramError(
+            file=path,
+            problem=f"files that end in {path.suffix} hold no comment, which must say that the plan leaves out "
+            f"{', '.join(sorted(lost))}",
+            remedy=f"write {path.with_suffix(dialect.suffix).name}",
+            code=Code.NOT_SUPPORTED,
+        )
     reading = dialect.read(text, str(path), case)
     guarantees = replace(dialect.guarantees(reading, case), without=left_out(text))
     proof = prove_program(reading, guarantees)

@@ -30,6 +30,7 @@ from postprocessors.export.load import (
 LARGEST = 133.0  # [kg m^2] largest element of the inertia in set_target_payload
 KGF_CM_S2 = 9.80665 * 0.01  # [kg m^2] FANUC's unit of inertia
 CM = 0.01  # [m]
+PYTHON = "# -*- coding: ascii -*-\n"  # first line of a module: words of a remark in the second could be read as another
 POINT = "the run did not determine the inertia: the load counts as a point mass"
 
 
@@ -140,7 +141,7 @@ def xarm(result: Carried, name: str) -> str:
         '    """Sets the load of an XArmAPI: kg, mm from the flange."""',
         f"    return arm.set_tcp_load(weight={load.mass:.4f}, center_of_gravity=[{numbers(load.centre / MM, 2)}])",
     ]
-    return _commented("#", _remarks(result, load), "\n".join(lines))
+    return PYTHON + _commented("#", _remarks(result, load), "\n".join(lines))
 
 
 def kinova(result: Carried, name: str) -> str:
@@ -167,7 +168,7 @@ def kinova(result: Carried, name: str) -> str:
         ),
         f"    control_config.Set{kind}({what})",
     ]
-    return _commented("#", _remarks(result, load, frame), "\n".join(lines))
+    return PYTHON + _commented("#", _remarks(result, load, frame), "\n".join(lines))
 
 
 def fanuc(result: Carried, name: str) -> str:

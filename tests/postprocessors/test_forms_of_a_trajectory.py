@@ -13,10 +13,10 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.base.errors import CaseError, HexciteError, ProgramError
+from cases.base.errors import CaseError, Code, HexciteError, ProgramError
 from cases.controller import Ros2
 from cases.schema import Case
-from postprocessors.program import Program, dialect
+from postprocessors.program import Program, dialect, leaving_out
 from postprocessors.writing import proven_program
 from tests.driven.fake_ros import Ros
 from tests.helpers import examples, one_line
@@ -64,6 +64,33 @@ def test_each_form_reads_back_as_the_same_motion(suffix: str) -> None:
             t = np.linspace(0.0, one.points.duration, 50)
             np.testing.assert_array_equal(one.points.at(t).coordinates, other.points.at(t).coordinates)
     assert program.proof.verdict == form(".yaml").proof.verdict
+
+
+@pytest.mark.parametrize("line", [1, 2])
+def test_a_script_cannot_state_an_encoding_in_which_comments_are_statements(line: int) -> None:
+    lines = form(".py").content.decode().split("\n")
+    lines[line:line] = ["# coding: raw_unicode_escape", "# \\u000amoved = True #"]
+    attack = "\n".join(lines).encode()
+    if line == 1:
+        with pytest.raises(ProgramError, match=r"changed") as caught:
+            LANGUAGE.read(attack, "walk.py", ROBOT)
+        assert (caught.value.code, caught.value.line) == (Code.CHANGED, 2)
+    else:
+        LANGUAGE.read(attack, "walk.py", ROBOT)
+        namespace = {"__name__": "read"}
+        with Ros(NAMES, HOME).installed():
+            exec(compile(attack, "walk.py", "exec"), namespace)
+        assert "moved" not in namespace
+
+
+def test_what_a_plan_leaves_out_is_not_lost_in_json() -> None:
+    """JSON has no comments: such a file could never be proven again."""
+    case = ROBOT.model_copy(update={"controller": ROBOT.controller.model_copy(update={"ros2": Ros2()})})
+    with pytest.raises(ProgramError, match="jerk") as caught:
+        proven_program(walk(case), case, LANGUAGE, "walk.json", ("a walk", *leaving_out(("jerk",))))
+    assert caught.value.code == Code.NOT_SUPPORTED
+    assert "walk.yaml" in str(caught.value)
+    proven_program(walk(case), case, LANGUAGE, "walk.yaml", ("a walk", *leaving_out(("jerk",))))
 
 
 def test_json_is_the_message_and_nothing_else() -> None:

@@ -60,7 +60,8 @@ def embedded(content: bytes, file: str, case: Case) -> Embedded | None:
     remedy = "write it again with hexcite post, and change the case, not the script"
     if not begin or not end:
         raise ProgramError(file=file, line=1, problem="a script without its message", remedy=remedy, code=Code.DAMAGED)
-    header = [line for line in content.decode("utf-8", "replace").splitlines()[1:] if line.startswith("#")]
+    # The second line states the encoding: a comment there could state one in which comments hold statements.
+    header = [line for line in content.decode("utf-8", "replace").splitlines()[2:] if line.startswith("#")]
     text = message.decode("utf-8", "replace") + "\n"
     chain, _ = case.need_chain("a joint trajectory")
     script = _script(header, text, chain, settings_of(case))

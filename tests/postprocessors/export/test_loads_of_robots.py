@@ -507,3 +507,10 @@ def test_a_payload_of_standing_runs_is_a_point(tmp_path: Path) -> None:
     assert "point mass" in text
     with pytest.raises(IdentificationError, match="needs an inertia"):
         preview(payload(empty, loaded), "urscript")
+
+
+@pytest.mark.parametrize("target", ["python", "xarm", "kinova"])
+def test_names_in_comments_do_not_say_how_a_module_is_encoded(target: str, tmp_path: Path) -> None:
+    result = calibration(tmp_path / "coding=nothing", "ur10_wrist", 6, body(2.6, INERTIA))
+    assert "coding=nothing" in text_of(target, result)
+    compile(text_of(target, result).encode(), "model.py", "exec")
