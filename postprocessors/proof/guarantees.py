@@ -135,30 +135,34 @@ class Guarantees:
         verdict = self.status_of(check.kind) if status is None else status
         return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
 
-    def force_bounds(self, share: float = 1.0, stated: bool = False) -> tuple[LimitCheck, ...]:
-        """Largest sensor force and moment in any pose at a share of the limits of motion; none for sensors in struts.
+    def force_bounds(self, stated: tuple[Array, Array] | None = None) -> tuple[LimitCheck, ...]:
+        """Largest sensor force and moment in any pose within the limits of motion; none for sensors in struts.
 
         Forces are f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform. No
-        controller limits them: they are proven where rates and accelerations are enforced, or `stated` in the text.
+        controller limits them: they are proven where rates and accelerations are enforced, or the text states them.
+
+        Args:
+            stated: rates and accelerations of the coordinates that the text states, shapes (k,) [SI]; None: those of
+                the limits.
         """
         loads = self.loads
         if loads is None or self.case.sensor_frame.struts is not None:
             return ()
         linear, angular, spin = np.split(loads.coefficients, (3, 6), axis=1)
-        rates, accelerations = share * self.limits.rate, share * self.limits.acceleration
+        rates, accelerations = stated or (self.limits.rate, self.limits.acceleration)
         omega, alpha, pull = limited_machine(self.case).fastest(rates, accelerations)
         pull += float(np.linalg.norm(self.case.gravity))
         most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
         products = spin.reshape(-1, 3, 3)
         most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
-        bounded, checks = stated or {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced, []
+        bounded, checks = stated is not None or {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced, []
         for channels, kind in ((~loads.moments, LimitKind.SENSOR_FORCE), (loads.moments, LimitKind.SENSOR_MOMENT)):
             if channels.any():
                 shares = np.where(channels, most / loads.limit, 0.0)
                 k = int(np.argmax(shares))
                 worst, limit, ratio = float(most[k]), float(loads.limit[k]), float(shares[k])
                 proven = bounded and ratio <= 1.0
-                place = f"{loads.labels[k]}, at {'most' if proven else 'the limits'}"
+                place = f"{loads.labels[k]}, at {'most' if proven or stated else 'the limits'}"
                 status = Status.PROVEN if proven else Status.NOT_ENFORCED
                 checks.append(LimitCheck(Limit(kind), place, worst, limit, kind.unit, ratio, 0.0, status))
         return tuple(checks)

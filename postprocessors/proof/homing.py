@@ -126,8 +126,7 @@ def way_home(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
         # rates of the drives follow from those of the pose, and so are enforced with these
         follows = kind is LimitKind.STRUT_VELOCITY and worst <= bound and LimitKind.VELOCITY in by.enforced
         yield _row(kind, worst, bound, by, Status.ENFORCED if follows else None)
-    share = controller.safe_share if stated and not limits.of_pose else 1.0
-    for force in by.force_bounds(share, stated):
+    for force in by.force_bounds((rates, peaks) if stated else None):
         of = force.of._replace(move=OwnMove.WAY_HOME)
         yield replace(force, of=of, binding=force.status is Status.PROVEN)
 

@@ -9,6 +9,10 @@ from hypothesis import strategies as st
 
 from cases.base.errors import CaseError, HexciteError, ProgramError
 from cases.schema import load_case
+from identification.limits.chain import chain_frames, sensor_motion
+from identification.limits.limit import LimitKind, OwnMove, Status
+from identification.limits.sensor_loads import Loads
+from identification.motion.motion import Motion
 from postprocessors.program import Program, dialect
 from postprocessors.proof.homing import predicted
 from postprocessors.proof.proof import prove_program
@@ -217,3 +221,24 @@ def test_a_joint_that_turns_without_end_is_refused() -> None:
     with pytest.raises(HexciteError, match=f"joint {last.name} .*without end.*position_deg") as caught:
         LANGUAGE.write(excitation_program(walk(CASE), CASE), CASE.model_copy(update={"machine": machine}))
     one_line(caught.value)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.5, 0.999])
+def test_from_anywhere_sensors_are_judged_at_the_acceleration_that_the_text_states(share: float) -> None:
+    """No pose at the stated speed and acceleration of all joints loads the sensors more than the bound says."""
+    home, box = CASE.need_motion("a test")
+    speed, acceleration = 0.05 * float(box.rate.min()), share * float(box.acceleration.min())
+    to_home = f"  movej([{', '.join(f'{q:.9f}' for q in home)}], a={acceleration:.6f}, v={speed:.6f}, r=0)"
+    proof = judged(f"def p():\n{to_home}\nend\n")
+    bounds = {c.kind: c for c in proof.limits.checks if c.of.move is OwnMove.WAY_HOME}
+    assert LimitKind.SENSOR_FORCE in bounds
+    rng = np.random.default_rng(0)
+    poses = home + rng.uniform(-np.pi, np.pi, (4000, len(home)))
+    rates, accelerations = (rng.choice([-1.0, 1.0], poses.shape) * most for most in (speed, acceleration))
+    motion = Motion(np.zeros(len(poses)), poses, rates, accelerations, np.zeros_like(poses))
+    loads = Loads.of(CASE)
+    forces = np.abs(loads.forces(motion, *sensor_motion(chain_frames(motion, CASE.chain))))
+    for kind, channels in ((LimitKind.SENSOR_FORCE, ~loads.moments), (LimitKind.SENSOR_MOMENT, loads.moments)):
+        used = float((forces / loads.limit)[..., channels].max())
+        assert used <= bounds[kind].ratio
+        assert used <= 1.0 or bounds[kind].status is not Status.PROVEN
