@@ -12,7 +12,16 @@ from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.units import DEG, MM
 from cases.chain import Box
 from cases.controller import ControllerName
-from identification.limits.limit import KINETIC, NAMED, LimitCheck, LimitKind, LimitReport, Status, worst_of
+from identification.limits.limit import (
+    KINETIC,
+    NAMED,
+    TOLERANCE,
+    LimitCheck,
+    LimitKind,
+    LimitReport,
+    Status,
+    worst_of,
+)
 from identification.motion.motion import Array
 from postprocessors.proof.guarantees import Guarantees, WayToFirst
 from postprocessors.proof.judging import judge, require_timing
@@ -80,7 +89,7 @@ class ProgramProof:
         return {
             kind: f"{kind} ({f'{100 * ratio:.0f} %' if ratio <= MOST_TIMES else 'more than ten times'})"
             for kind, ratio in worst.items()
-            if ratio > 1.0
+            if ratio > 1.0 + TOLERANCE
         }
 
     def require_accepted(self, accepted: Collection[str]) -> None:

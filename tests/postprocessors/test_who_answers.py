@@ -6,12 +6,18 @@ they are proven where velocities and accelerations are kept and no motion within
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from cases.schema import Case
 from identification.limits.limit import KINETIC, Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status, worst_of
+from identification.motion.motion import Joined
+from identification.motion.moves import StraightMove
+from postprocessors.program import dialect
 from postprocessors.proof.proof import ProgramProof
+from postprocessors.writing import proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, TWINCAT, Typed, smooth_points
 from tests.postprocessors.programs import proof, there_and_back, timed, typed
@@ -170,3 +176,19 @@ def test_the_worst_of_two_reports_is_proven_only_where_both_are():
     for order in ([slow, fast], [fast, slow]):
         (check,) = worst_of([LimitReport((c,)) for c in order]).checks
         assert (check.name, check.worst, check.status) == ("velocity (y)", 9.0, N)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_law_that_just_reaches_a_limit_does_not_exceed_it(seed: int):
+    """The law of the control keeps the jerk of each coordinate exactly: rounding is not an excess."""
+    case = keeps("sinumerik", "velocity", "acceleration")
+    home, box = case.need_motion("a test")
+    places = home + np.random.default_rng(seed).uniform(*(0.6 * box.coordinates), (4, len(home)))
+    limits = box.rate, box.acceleration, box.jerk
+    walk = Joined(tuple(StraightMove.fastest(a, b, *limits) for a, b in pairwise(places)))
+    accepted = "jerk", "strut acceleration"
+    program = proven_program(walk, case, dialect("sinumerik"), "walk.mpf", ("a walk",), accepted=accepted)
+    reached = max(c.ratio for c in program.proof.limits.checks if c.kind.family is LimitKind.JERK)
+    assert reached == pytest.approx(1.0, abs=1e-9)
+    _, _, over = program.proof.verdict.partition("EXCEEDED")
+    assert "jerk" not in over
