@@ -143,7 +143,7 @@ class Study:
 
     def write_page(self) -> Path:
         """Writes the page of the folder, report.html, and returns its path."""
-        write_text(self.folder / "report.html", study_page(self.spec, self.case, self.cells, self.rows))
+        write_text(self.folder / "report.html", study_page(self))
         return self.folder / "report.html"
 
     def __repr__(self) -> str:
@@ -275,8 +275,9 @@ def _require_own(folder: Path, spec: Spec, case: Case) -> None:
         )
 
 
-def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:
+def study_page(of: Study) -> str:
     """The page of a study: the best settings, a table of all, and the D-efficiency of their plans."""
+    spec, case, rows = of.spec, of.case, of.rows
     summaries = groups(rows)
     outcomes = zip(rows["status"].to_pylist(), rows["reason"].to_pylist(), strict=True)
     failures = Counter(str(reason) for status, reason in outcomes if status == FAILED)
@@ -301,11 +302,11 @@ def study_page(spec: Spec, case: Case, cells: int, rows: "pa.Table") -> str:
     )
     caption = "D-efficiency of the plans of each setting, over their seeds."
     chart = Chart("spread", caption, tuple(spread), y=Axis("D-efficiency"))
-    verdict = f"{len(rows)} of {cells} cells are done, {sum(failures.values())} failed."
+    verdict = f"{of.done} of {of.cells} cells are done, {of.failed} failed."
     return page(
         f"Study {spec.name}: {case.name}",
-        Head(verdict, len(rows) == cells and not failures, case.name, (("study", spec.name),)),
-        f"{len(rows)} rows of {cells} cells; a cell is one start of an optimisation, and what it gave.",
+        Head(verdict, of.done == of.cells, case.name, (("study", spec.name),)),
+        f"{len(rows)} rows of {of.cells} cells; a cell is one start of an optimisation, and what it gave.",
         (("case", f"{case.name} (hash {case.hash})"), ("hexcite", version("hexcite"))),
         [f"{count} rows failed: {reason}" for reason, count in failures.most_common(MOST_REASONS)],
         section("Best settings", *(best or [note("No cell is done yet.")]), note(words)),

@@ -15,7 +15,7 @@ import pyarrow.compute as pc
 from cases.schema import load_case
 from hexcite.studies.cell_rows import DONE, PLANNED, file_of, keep, read_rows
 from hexcite.studies.cluster import local_client, run_tasks
-from hexcite.studies.conduct import study, study_page
+from hexcite.studies.conduct import Study, study, study_page
 from hexcite.studies.spec import Cells, Grid, Spec
 
 CELLS = 200
@@ -76,7 +76,7 @@ def _many_rows() -> list[list[str]]:
             keep(file, rows[part : part + PART])
         began = time.perf_counter()
         table: pa.Table = read_rows(files)
-        page = study_page(spec, case, ROWS, table)
+        page = study_page(Study(Path("study"), case, spec, ROWS, ROWS, table))
         seconds = time.perf_counter() - began
     assert len(table) == ROWS
     return [[f"{ROWS} rows read and drawn ({len(page) / 1e6:.1f} MB page)", f"{seconds:.1f} s", "10 s or less"]]

@@ -287,6 +287,27 @@ def test_solvers_are_compared_by_the_best_that_any_of_them_found_with_the_same_s
     assert tells(repr(result), "ipopt", "70.0 %")
 
 
+def test_the_page_counts_cells_and_not_their_runs(
+    hexapod_case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One cell is planned and run three times, the other one is refused."""
+
+    def answers(client: object, tasks: Iterator[tuple[str, partial]], limit: float) -> Iterator:
+        for key, job in tasks:
+            if job.args[1].seed:
+                yield key, HexciteError(problem="no motion", code=Code.INFEASIBLE)
+                continue
+            plan = {"noise_seed": PLANNED, "status": DONE, "score": 1.0, "d_efficiency": 0.3, "seconds": 1.0}
+            yield key, [plan, *({"noise_seed": k, "status": DONE, "seconds": 1.0} for k in range(3))]
+
+    monkeypatch.setattr(conduct, "run_tasks", answers)
+    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext("a client"))
+    spec = Spec(schema_version=1, name="x", grid=Grid(seed=[0, 1]), execute=ExecutionSpec(noise_seeds=3))
+    result = conduct.study(hexapod_case, spec, tmp_path / "study")
+    assert (result.done, result.failed) == (1, 1)
+    assert "1 of 2 cells are done, 1 failed" in result.write_page().read_text()
+
+
 @pytest.mark.repeats
 def test_in_one_process_cells_are_computed_without_dask_and_without_a_port(
     hexapod_case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
