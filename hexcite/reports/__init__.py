@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from cases.base.atomic import write_text
 from cases.base.errors import Code, HexciteError
+from cases.base.output_places import check_file
 
 if TYPE_CHECKING:
     from hexcite.comparison.comparison import Comparison
@@ -15,15 +16,25 @@ if TYPE_CHECKING:
     from identification.results.result import Result
     from planner.plans.plan import Plan
 
+PAGES = (".html", ".htm")
+"""Suffixes of pages."""
+
 
 def report(
     value: "Plan | Result | Comparison | Validation | ExternalForce | History | Payload", file: Path | str
 ) -> None:
-    """Writes the page of a value, one HTML file that needs no network.
+    """Writes the page of a value, one HTML file that needs no network; an earlier page is replaced.
 
     >>> hx.report(hx.Result.load("empty-result"), "empty.html")
+
+    Args:
+        file: ends in .html or .htm.
+
+    Raises:
+        FileProblem: it ends otherwise, or cannot be written.
     """
-    write_text(Path(file), page_of(value))
+    check_file(place := Path(file), PAGES, overwrite=True)
+    write_text(place, page_of(value))
 
 
 def page_of(value: Any) -> str:
