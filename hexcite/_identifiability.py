@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cases.base.errors import Code, HexciteError, IdentificationError
@@ -19,6 +18,7 @@ from identification.results.result import Result
 from identification.samples.moving import MovingRun
 from identification.samples.samples import Samples
 from planner.plans.plan import Plan
+from planner.poses.given import given_poses
 
 RATE = 100.0  # [1/s] at which a motion is looked at, less where that makes more instants than
 MOST_INSTANTS = 1500
@@ -96,16 +96,7 @@ def _looked_at(
                     remedy="give its case",
                     code=Code.MISSING,
                 )
-            poses = np.atleast_2d(np.asarray(thing, dtype=float))
-            count = len(case.need_motion("identifiability")[0])
-            if poses.shape[1] != count:
-                problem = f"poses of {poses.shape[1]} coordinates"
-                raise HexciteError(
-                    place="identifiability",
-                    problem=problem,
-                    remedy=f"{case.name} has {count} [m or rad]",
-                    code=Code.WRONG_KIND,
-                )
+            poses = given_poses(thing, case, "identifiability")
             usual = 5 if 5 in models_of(case) else 0
             return case, usual, lambda model: _at_poses(model, poses), _any
 

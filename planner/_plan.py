@@ -18,6 +18,7 @@ from planner.options import DURATION, LONGEST_WANTED, Duration, PlanOptions, Pos
 from planner.plans.making import make_until_ctrl_c, require_plannable
 from planner.plans.plan import Plan
 from planner.plans.progress import Follower, Standing
+from planner.poses.given import given_poses
 from planner.request import PoseRequest, Request
 from planner.search.parallel import silent
 from planner.shortest import require_more, shortest
@@ -118,6 +119,10 @@ def plan_poses(
     if at is not None:
         options["method"] = "given"
     request = PoseRequest(**options)
-    poses = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
+    poses: Array | None = None
+    if isinstance(at, Path | str):
+        poses = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns)
+    elif at is not None:
+        poses = given_poses(at, case, "plan_poses, at")
     with threadpool_limits(limits=1, user_api="blas"):
         return poses_planned(request, case, seldom(progress or (lambda _: None)), poses)

@@ -231,6 +231,13 @@ def history(places: Sequence[Path | str] | Path | str, case: str | None = None) 
         HexciteError: results are of several machines and none is named, or of none of that name.
     """
     paths = [Path(places)] if isinstance(places, str | Path) else [Path(place) for place in places]
+    if not paths:
+        raise HexciteError(
+            place="history",
+            problem="nothing is named",
+            remedy="name result folders, or folders in which results lie",
+            code=Code.MISSING,
+        )
     loaded, left_out = _loaded(paths)
     names = sorted({result.record.case for result in loaded})
     if case is None and len(names) > 1:

@@ -5,6 +5,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import count
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -85,11 +86,12 @@ def require_targets(request: Request, case: Case) -> None:
                 remedy=choice(name, names),
                 code=Code.UNKNOWN,
             )
-        if not 0.0 < value < math.inf:
+        if not (isinstance(value, Real) and 0.0 < value < math.inf):
+            shown = f"{value:g}" if isinstance(value, Real) else repr(value)
             raise HexciteError(
                 place=f"target {name}",
-                problem=f"{value:g} is not a deviation to reach",
-                remedy="give one above 0",
+                problem=f"{shown} is not a deviation to reach",
+                remedy="give one above 0 in SI units, such as 0.005",
                 code=Code.OUT_OF_RANGE,
             )
 

@@ -1,4 +1,4 @@
-# mypy: disable-error-code="call-arg, list-item, operator"
+# mypy: disable-error-code="call-arg, dict-item, list-item, operator"
 # arguments are wrong on purpose
 """Arguments of a wrong type: every public function names the argument, its value and what it should be."""
 
@@ -27,6 +27,22 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "plan by starts": (lambda case: hx.plan(case, starts=1.5), ("starts = 1.5", "int | None")),
     "compare nothing": (lambda case: hx.compare([]), ("compare", "name plans, runs or results")),
     "plan_poses": (lambda case: hx.plan_poses(case, count="9"), ("count = '9'", "int | None")),
+    "plan_poses elsewhere": (
+        lambda case: hx.plan_poses(case, np.zeros((3, 5))),
+        ("at", "5 coordinates", "hexapod has 6"),
+    ),
+    "plan_poses one by one": (lambda case: hx.plan_poses(case, np.zeros(5)), ("at", "5 coordinates")),
+    "plan_poses of nothing": (
+        lambda case: hx.plan_poses(case, np.array([[0.0] * 6, [np.nan] * 6])),
+        ("at", "pose 2", "not a number"),
+    ),
+    "plan_poses listed": (lambda case: hx.plan_poses(case, [[0.0, 0.0], [0.0]]), ("at", "rows of 6")),
+    "identifiability of nothing": (
+        lambda case: hx.identifiability(np.full((9, 6), np.nan), case=case),
+        ("identifiability", "pose 1", "not a number"),
+    ),
+    "target of a text": (lambda case: hx.plan(case, target={"m": "5g"}), ("target m", "'5g'", "above 0")),
+    "history of nothing": (lambda case: hx.history([]), ("history", "nothing is named")),
     "bound": (lambda case: hx.bound("hexapod"), ("case = 'hexapod'", "is not Case")),
     "write": (lambda case: hx.write("plan"), ("plan = 'plan'", "is not Plan")),
     "run": (lambda case: hx.run(3, case), ("program = 3", "Program | Path")),
