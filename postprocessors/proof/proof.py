@@ -276,8 +276,8 @@ def override_remarks(reading: Reading, guarantees: Guarantees) -> Iterator[str]:
 
 _STEPS = {
     WayToFirst.SMOOTH: "",
-    WayToFirst.ACCELERATIONS_STEP: "; accelerations step on that way: it does not know those of the joints",
-    WayToFirst.RATES_STEP: "; speeds step on that way: it does not know those of the joints",
+    WayToFirst.ACCELERATIONS_STEP: "; accelerations step at both ends of that way",
+    WayToFirst.RATES_STEP: "; speeds step at both ends of that way",
 }
 
 
