@@ -306,15 +306,19 @@ def _record(entries: Mapping[str, Any], place: object) -> RunRecord:
 
 
 def write_recording(file: Path, recording: Recording, case: Case) -> None:
-    """Writes one table in our column names as CSV; write into an atomic folder."""
+    """Writes one table in our column names as CSV; write into an atomic folder.
+
+    Forces of rows that stand for nothing (`missing`) are written as nan, so that they are missing in the file as well.
+    """
     import pyarrow as pa
     import pyarrow.csv as pacsv
 
     table = {} if recording.t is None else {CLOCK: np.round(recording.t, CLOCK_DECIMALS)}
+    forces = np.where(recording.bad[:, None], np.nan, recording.forces)
     groups = (
         (case.drive_columns, recording.drives),
         (ROTATION, recording.rotations),
-        (case.sensor_frame.channels, recording.forces),
+        (case.sensor_frame.channels, forces),
         (ACCELEROMETER, recording.specific_forces),
         ((OVERRIDE,), None if recording.override is None else recording.override / PERCENT),
     )

@@ -154,6 +154,16 @@ def test_standstills_have_no_step(recording: Recording) -> None:
         _ = replace(recording, t=None).step
 
 
+def test_rows_that_stand_for_nothing_stay_so_in_a_saved_recording(
+    tmp_path: Path, recording: Recording, hexapod_case: Case
+) -> None:
+    missing = np.zeros(recording.rows, dtype=bool)
+    missing[500:520] = True
+    forces = np.where(missing[:, None], 9e9, recording.forces)
+    replace(recording, case=hexapod_case, forces=forces, missing=missing).save(tmp_path / "saved")
+    np.testing.assert_array_equal(Recording.load(tmp_path / "saved").bad, missing)
+
+
 def test_a_single_row_has_no_step(recording: Recording) -> None:
     with pytest.raises(RecordingError, match="one row"):
         _ = replace(recording, t=recording.t[:1]).step
