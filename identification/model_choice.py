@@ -190,6 +190,13 @@ def identify_models(
                 remedy=first.said.remedy,
                 code=Code.NO_EXCITATION,
             )
+        if len(next(iter(fitted.values())).regression.forces) < 2:
+            raise IdentificationError(
+                place=recording.source,
+                problem="has one sample: models are compared by how they predict samples from others",
+                remedy="record more standstills, or identify with one model",
+                code=Code.TOO_FEW,
+            )
         weights = fitted[max(fitted, key=lambda n: len(models[n].names))].w
         root = np.asarray(np.linalg.cholesky(weights).T)
         errors = {number: left_out(fit, root) for number, fit in fitted.items()}

@@ -57,7 +57,7 @@ def as_measurements(priors: Sequence[Prior], model: Model) -> Callable[[Array], 
             raise IdentificationError(
                 problem=f"prior {prior.name} = {prior.value:g} +- {prior.std:g} needs finite numbers and a "
                 "standard deviation above 0",
-                remedy="what is known exactly is fixed by a selection",
+                remedy="what is known exactly is a known value, no prior",
                 code=Code.OUT_OF_RANGE,
             )
     picks = [names.index(name) for name in known_names]
@@ -111,14 +111,17 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
 
     from scipy.optimize import least_squares  # half a second, which estimates without priors can do without
 
-    start, mass = scale * free, model.names.index("m")
-    weighed = [p.value for p in priors if p.name == "m"] or [start[mass]]
-    start[mass] = weighed[0] if weighed[0] > 0.0 else 1.0  # others are divided by it
+    start = scale * free
+    if "m" in model.names:  # by which others are divided
+        mass = model.names.index("m")
+        weighed = [p.value for p in priors if p.name == "m"] or [start[mass]]
+        start[mass] = weighed[0] if weighed[0] > 0.0 else 1.0
     precise = {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14, "max_nfev": EVALUATIONS}
     solution = least_squares(residual, start, slopes, method="lm", x_scale="jac", **precise)
     if not solution.success or not np.isfinite(solution.cost):
         raise IdentificationError(
-            problem="no minimum was found with these priors: check them, or give more known values",
+            problem="no minimum was found with these priors",
+            remedy="check their values and units, or widen them",
             code=Code.NO_CONVERGENCE,
         )
     values = np.asarray(solution.x)

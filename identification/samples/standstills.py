@@ -226,6 +226,7 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
 
     Raises:
         IdentificationError: the model needs what the recording does not have, or the struts cannot close.
+        RecordingError: nothing in it says how the sensors stand.
     """
     require_position(recording, model)
     valid = ~recording.bad
@@ -243,9 +244,9 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
         if case.setup != "1a":
             standing = MotionOfSamples(known, poses, (recording.drives[valid], none, none), machine)
     else:
-        assert recording.rotations is not None  # the reader admits no recording without a pose
-        matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[valid], still, still)
-        angles = Rotation.from_matrix(recording.rotations[valid]).as_euler("xyz")
+        rotations = _rotations(recording, case)[valid]
+        matrices = model.matrices(np.zeros((len(still), 3)), rotations, still, still)
+        angles = Rotation.from_matrix(rotations).as_euler("xyz")
         standing = MotionOfSamples(known, Kinematics(np.hstack([0.0 * angles, angles]), still, still))
     t = np.arange(1.0, len(valid) + 1.0) if recording.t is None else recording.t
     scale = np.ones(len(valid)) if recording.weights is None else recording.weights
@@ -254,6 +255,20 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
         model=model, t=t[valid], recorded=forces, forces=forces * scale[:, None], recorded_count=len(forces),
         matrices=matrices, scale=scale, clocked=recording.t is not None, standing=standing,
     )  # fmt: skip
+
+
+def _rotations(recording: Recording, case: Case) -> Array:
+    """R of each standstill, shape (n, 3, 3); of a frame that does not move any will do where none was recorded."""
+    if recording.rotations is not None:
+        return recording.rotations
+    if case.setup == "1a":
+        return np.tile(np.eye(3), (recording.rows, 1, 1))
+    raise RecordingError(
+        place=recording.source,
+        problem="has neither drives nor rotations: nothing says how the sensors stand",
+        remedy="give drives (struts or joints), or rotations, one row a standstill",
+        code=Code.MISSING,
+    )
 
 
 def _moving(struts: Array, step: float) -> Flags:

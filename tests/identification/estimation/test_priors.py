@@ -172,7 +172,10 @@ def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ([Prior("mass", 33.0, 1.0)], "'mass' is not a parameter here; choose from m, mxC, .*k3, xC, .*IC33"),
         ([Prior("m", 33.0, 1.0), Prior("m", 34.0, 1.0)], "two priors on m; combine them into one"),
-        ([Prior("m", 33.0, 0.0)], r"prior m = 33 \+- 0 needs .* a standard deviation above 0; .* fixed by a selection"),
+        (
+            [Prior("m", 33.0, 0.0)],
+            r"prior m = 33 \+- 0 needs .* a standard deviation above 0; .* known value",
+        ),
         ([Prior("m", np.nan, 1.0)], "prior m = nan"),
         ([Prior("m", 33.0, np.inf)], r"prior m = 33 \+- inf"),
     ],

@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.base.errors import IdentificationError, RecordingError
+from cases.base.errors import Code, IdentificationError, RecordingError
 from cases.schema import load_case
 from identification.estimation.estimators import Method
+from identification.estimation.priors import Prior
 from identification.identify import estimate_parameters, identify
 from identification.machines.hexapod import Hexapod
 from identification.model.blocks import INERTIA
+from identification.model_choice import identify_models
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import StraightMove
 from identification.recording.recording import Recording
@@ -237,3 +239,39 @@ def test_poses_in_order_along_a_line_are_standstills() -> None:
     assert CASE.simulation is not None
     mass = identify(simulate_standstills(CASE, line, 100, 3), CASE, 0).parameters["m"]
     assert abs(mass.value - CASE.simulation.parameters.body.mass_kg) < 3.0 * mass.reported
+
+
+BARS = load_case("clamping_table")  # a sensor frame that does not move
+
+
+def forces_alone(rows: int) -> Recording:
+    forces = 100.0 + np.random.default_rng(3).normal(size=(rows, 6))
+    return Recording("run", None, None, None, forces, None)
+
+
+def test_a_frame_that_stands_needs_no_pose_and_others_are_asked_for_one() -> None:
+    run = forces_alone(20)
+    offsets = estimate_parameters(run, BARS).fit.values
+    np.testing.assert_allclose(offsets, run.forces.mean(axis=0), rtol=1e-9)
+    with pytest.raises(RecordingError) as caught:
+        estimate_parameters(run, CASE)
+    assert caught.value.code is Code.MISSING
+    assert all(word in one_line(caught.value) for word in ("run", "drives", "rotations"))
+
+
+def test_offsets_have_priors_too() -> None:
+    """Of a frame that stands, of which no mass is identified."""
+    run = forces_alone(20)
+    usual = estimate_parameters(run, BARS)
+    known = run.forces.mean(axis=0)[0] + 1.0
+    sure = estimate_parameters(run, BARS, how=Method(priors=(Prior("f_q0_1", known, 1e-6),)))
+    assert sure.fit.values[0] == pytest.approx(known, abs=1e-5)
+    np.testing.assert_allclose(sure.fit.values[1:], usual.fit.values[1:], rtol=1e-6)
+
+
+def test_models_are_not_compared_by_one_sample() -> None:
+    """Whose other samples would predict it."""
+    known = {f"f_q0_{k}": 100.0 for k in range(1, 6)}
+    with pytest.raises(IdentificationError) as caught:
+        identify_models(forces_alone(1), BARS, how=Method(known=known))
+    assert caught.value.code is Code.TOO_FEW
