@@ -455,9 +455,10 @@ class Margin(Part):
                 ends[key] = low + margin, high - margin
         return table.model_copy(update=ends)
 
-    def of_length(self, low: float, high: float) -> float:
-        """Margin of a length between two ends [m]."""
-        return min((high - low) * self.share, self.most_mm * MM)
+    def of_way(self, low: float, high: float, turns: bool) -> float:
+        """Margin of a way between two ends [m], of an angle [rad]; 0 where there are no ends."""
+        most = self.most_deg * DEG if turns else self.most_mm * MM
+        return min((high - low) * self.share, most) if math.isfinite(high - low) else 0.0
 
     @property
     def share(self) -> float:

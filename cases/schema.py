@@ -299,6 +299,11 @@ class Case(Heading):
                 "sensors.moment_noise_Nm goes with force_noise_N of a force/torque sensor, and sensors of forces do "
                 "without it; add or remove one",
             )
+        if sensors.range_Nm is not None and (sensors.range_N is None or not frame.has_moments):
+            yield phrase(
+                "moment_range",
+                "sensors.range_Nm goes with range_N of a force/torque sensor; add range_N, or remove range_Nm",
+            )
         if sensors.force_noise_N is None and (sensors.weights == "stated" or sensors.acceleration_noise is not None):
             yield phrase(
                 "force_noise_missing",

@@ -13,6 +13,8 @@ from cases.machine import Frame, Joints, require_flange, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
 from cases.tables import NEEDED, NonNegative, Number, Part, Positive, Six, Text, Vector, frozen, si, si_value
 
+MOST_BAND_HZ = 400.0  # of ripple, which simulated runs have at 1000 samples a second
+
 
 class Disturbances(Part):
     """Imperfections of the simulated machine that no identification model contains; effective values for all loads."""
@@ -25,7 +27,7 @@ class Disturbances(Part):
     """Share of critical damping."""
     strut_velocity_noise_percent: NonNegative
     """Rms of the struts' velocity ripple, which really moves the platform, as a share of each strut's own velocity."""
-    strut_velocity_band_Hz: Positive
+    strut_velocity_band_Hz: Annotated[float, Field(strict=True, gt=0, le=MOST_BAND_HZ)]
     """Highest frequency of that ripple."""
     pose_error_N: NonNegative
     """Rms of the force error that depends on the pose, in each sensor, without payload."""
@@ -181,6 +183,11 @@ class SensorFrame(Part):
     def channels(self) -> tuple[str, ...]:
         """Names of the columns of what it measures."""
         return WRENCH if self.has_moments else BAR_FORCES
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """SI units of the channels, in their order."""
+        return ("N",) * 3 + ("N m" if self.has_moments else "N",) * 3
 
 
 class PoseField(NamedTuple):

@@ -182,6 +182,8 @@ WRONG = {
     "[sensor_frame.transducer] schreiben, oder den Aufbau der Stäbe",
     "moment_noise": "sensors.moment_noise_Nm gehört zu force_noise_N eines Kraft-Momenten-Sensors, Kraftsensoren "
     "brauchen es nicht; eines ergänzen oder weglassen",
+    "moment_range": "sensors.range_Nm gehört zu range_N eines Kraft-Momenten-Sensors; range_N ergänzen oder range_Nm "
+    "weglassen",
     "force_noise_missing": "sensors.force_noise_N fehlt; weights = „stated“ und Rauschen der Beschleunigungen "
     "brauchen es, aus dem Datenblatt der Sensoren",
     "pose_error_of_bars": "sensors.pose_error_N = {size} ist für Stäbe, die Streben bewegen (Aufbau 1b); es und "

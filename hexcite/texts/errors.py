@@ -365,15 +365,16 @@ READERS = {
     "trigger_bit": "Der Trigger ist Bit {bit} von {column}, das sich als einziges ändert",
     "trigger_constant": "Der Trigger schaltet nie, er ist immer {level}: Er markiert nichts",
     "read_in_unit": "{role} werden in {unit} gelesen, wie die Datei von {columns} sagt, {file}",
-    "at_full_range": "ist am Ende seines Bereichs von {most} N",
+    "at_full_range": "ist am Ende seines Bereichs von {most} {unit}",
     "stuck_in_motion": "steht bei {value}, während die Maschine sich bewegt",
     "jumps": "springt für einzelne Abtastungen um bis zu {most} {unit}",
-    "strut_jumps": (
-        "springt um bis zu {most} mm zwischen Abtastungen im Abstand von {step} ms, was ihre Grenze von {limit} "
-        "m/s verbietet"
+    "drive_jumps": (
+        "springt um bis zu {most} {unit} zwischen Abtastungen im Abstand von {step} ms, was die Grenze von {limit} "
+        "verbietet"
     ),
     "a_channel": "Kanal",
     "a_strut": "Strebe",
+    "a_joint": "Gelenk",
     "also_others": " (ebenso {thing} {others})",
     "damaged": "{thing} {number} {what}{also}; weggelassen",
     "lost_bridged": "{behind}; aus ihren Nachbarn überbrückt",
@@ -384,6 +385,10 @@ READERS = {
     "strut_outside": (
         "Strebe {number} mit {length} mm{also} liegt außerhalb des Arbeitsraums von {low} bis {high} mm; "
         "Nullpunkt und Reihenfolge der Streben prüfen, oder workspace.strut_length_mm"
+    ),
+    "joint_outside": (
+        "Gelenk {name} liegt mit {position} {unit}{also} jenseits seiner Enden von {low} bis {high} {unit}; "
+        "Nullpunkte, Vorzeichen und Reihenfolge der Gelenke prüfen, oder {key}"
     ),
     "standstills_of_plan": "{count} von {all} Stillständen werden ausgewertet, die an den Posen des Plans",
 }

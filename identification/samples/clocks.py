@@ -168,12 +168,10 @@ def _latest(recording: Recording, name: Channel, at: Array) -> Any:
 
 def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: float, case: Case) -> Array:
     """Averages over samples at the end of the sensor's range are at its end too, so that they are found there."""
-    most = case.sensors.range_N
-    if most is None:
+    if case.sensors.range is None:
         return means
-    newtons = 3 if case.sensor_frame.has_moments else 6
     first, end = np.searchsorted(t, centres - half), np.searchsorted(t, centres + half)
-    for k in range(newtons):
+    for k, most in enumerate(case.sensors.range):
         clipped = np.r_[0, np.cumsum(at_full_range(forces[:, k], most))]
         rows = clipped[end] > clipped[first]
         if np.abs(forces[:, k]).min() < most:  # else its range is about a constant, and its end is in the means

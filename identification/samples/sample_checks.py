@@ -11,9 +11,10 @@ import numpy as np
 
 from cases.base.errors import Code, RecordingError, Remedy, Write
 from cases.base.phrases import NOTHING, Phrase, phrase
-from cases.base.units import MM, Array, Flags, Indices
+from cases.base.units import DEG, MM, Array, Flags, Indices
+from cases.chain import Margin
 from cases.machine import MotionLimits
-from cases.recording_format import CLOCK, ROLE_UNITS, Role
+from cases.recording_format import CLOCK, ROLE_UNITS, STRUTS, Role
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.recording.formats.clocks import lost_samples
@@ -24,7 +25,7 @@ from identification.recording.formats.table import Lines, Stream
 from identification.recording.recording import Recording
 from identification.stretches import stretches
 
-Problem = tuple[int, str, Flags]  # number of a channel or strut, counted from 1, what is wrong with it, and where
+Problem = tuple[int, str, Flags]  # number of a channel or drive, counted from 1, what is wrong with it, and where
 
 FULL_RANGE = 0.999  # share of a sensor's range, from which on it is at its end
 FLAT = 5  # samples in a row at the largest or smallest value of a channel, as where it is clipped
@@ -38,9 +39,14 @@ TOGETHER = 10  # samples between a leap of the motion and that of the forces, de
 LONELY = 5.0  # times what most samples around it do, for a glitch
 LONELY_SHARE = 90.0  # [%] of these samples
 LONELY_WIDTH = 101  # samples around
+_THINGS = {
+    "channel": phrase("a_channel", "channel"),
+    "strut": phrase("a_strut", "strut"),
+    "joint": phrase("a_joint", "joint"),
+}
 _AT_ONCE = 10_000  # windows in memory
 _ENOUGH = 200_000  # samples that suffice for a median
-SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
+SWIFT = 5.0  # times the limits of a drive: no motion of this machine, but a reading that jumps
 TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
 SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are not samples of a motion
@@ -104,11 +110,12 @@ def _damage(recording: Recording, case: Case) -> tuple[Flags, list[Finding]]:
     """Samples that no estimate may use, shape (n,), and findings about those that were measured."""
     bad, findings = recording.bad.copy(), list[Finding]()
     channels = (_clipped(recording, case), _silent(recording), _jumping(recording, case))
-    for thing, problems in (*(("channel", [*alike]) for alike in channels), ("strut", [*_leaping(recording, case)])):
+    drive = "strut" if case.chain is None else "joint"
+    for thing, problems in (*(("channel", [*alike]) for alike in channels), (drive, [*_leaping(recording, case)])):
         if problems:  # one finding for all that err alike, in full for the one with the most rows
             number, text, _ = max(problems, key=lambda problem: int(problem[2].sum()))
             others = ", ".join(str(k) for k, *_ in problems if k != number)
-            names = {"thing": phrase("a_channel", "channel") if thing == "channel" else phrase("a_strut", "strut")}
+            names = {"thing": _THINGS[thing]}
             also = phrase("also_others", " (likewise {thing} {others})", others=others, **names) if others else NOTHING
             rows = np.any([rows for *_, rows in problems], axis=0)
             sentence = phrase(
@@ -215,15 +222,20 @@ def _behind(lines: Lines, rows: Flags, count: int) -> Phrase:
 
 
 def _clipped(recording: Recording, case: Case) -> Iterator[Problem]:
-    """Forces at the end of the sensors' range."""
-    most = case.sensors.range_N
-    for k in range(3 if case.sensor_frame.has_moments else 6):
-        if most is not None and (rows := at_full_range(recording.forces[:, k], most)).any():
-            yield k + 1, phrase("at_full_range", "is at the end of its range of {most} N", most=f"{most:g}"), rows
+    """Forces and moments at the end of the sensors' range."""
+    for k, most in enumerate(() if case.sensors.range is None else case.sensors.range):
+        if (rows := at_full_range(recording.forces[:, k], most)).any():
+            text = phrase(
+                "at_full_range",
+                "is at the end of its range of {most} {unit}",
+                most=f"{most:g}",
+                unit=case.sensor_frame.units[k],
+            )
+            yield k + 1, text, rows
 
 
 def at_full_range(force: Array, most: float) -> Flags:
-    """Samples of a channel, shape (n,), at the end of its range [N].
+    """Samples of a channel, shape (n,), at the end of its range [N or N m].
 
     Of one that reads a constant far beyond its range, as raw values of converters do, the constant does not count: it
     is at an end where it stays at its largest or smallest value.
@@ -283,37 +295,47 @@ def _jumping(recording: Recording, case: Case) -> Iterator[Problem]:
         # A drive that ripples makes forces that leap again and again; a glitch stands alone.
         leaps = leaps[jumps[leaps] > LONELY * _around(jumps, leaps)]
         if usual > 0.0 and len(leaps):
-            unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
             text = phrase(
-                "jumps", "jumps by up to {most} {unit} for single samples", most=f"{jumps[leaps].max():.4g}", unit=unit
+                "jumps",
+                "jumps by up to {most} {unit} for single samples",
+                most=f"{jumps[leaps].max():.4g}",
+                unit=case.sensor_frame.units[k],
             )
             yield k + 1, text, _at(leaps + 1, len(force))
 
 
 def _leaping(recording: Recording, case: Case) -> Iterator[Problem]:
-    """Single samples of the struts too far from their neighbours for any drive."""
-    limits = None if case.limits is None else case.limits.motion
+    """Single samples of struts or joints too far from their neighbours for any drive."""
     if recording.t is None or recording.drives is None or len(recording.t) < LEAST_ROWS:
         return
-    if not isinstance(limits, MotionLimits):
-        return
     step = float(np.median(np.diff(recording.t)))
-    most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
     gaps = np.flatnonzero(recording.lost)
-    for k in range(6):
+    for k, (velocity, acceleration) in enumerate(_fastest(case)):
         jumps = np.abs(_from_neighbours(recording.drives[:, k]))
         for row in (gaps - 1, gaps):  # neighbours that are not neighbours in time
             jumps[row[(row >= 0) & (row < len(jumps))]] = 0.0
-        leaps = _peaks(jumps, most)
+        leaps = _peaks(jumps, SWIFT * max(acceleration * step**2, 0.1 * velocity * step))
+        # Values that are held for some samples step again and again; a glitch stands alone.
+        leaps = leaps[jumps[leaps] > LONELY * _around(jumps, leaps)]
         if len(leaps):
+            turns = case.chain is not None and case.chain.joints[k].turns
             text = phrase(
-                "strut_jumps",
-                "jumps by up to {most} mm between samples {step} ms apart, which its limit of {limit} m/s forbids",
-                most=f"{jumps.max() / MM:.4g}",
+                "drive_jumps",
+                "jumps by up to {most} {unit} between samples {step} ms apart, which its limit of {limit} forbids",
+                most=f"{jumps[leaps].max() / (DEG if turns else MM):.4g}",
+                unit="deg" if turns else "mm",
                 step=f"{step * 1e3:.3g}",
-                limit=f"{limits.strut_velocity_m_s:g}",
+                limit=f"{velocity / DEG:.4g} deg/s" if turns else f"{velocity:g} m/s",
             )
             yield k + 1, text, _at(leaps + 1, len(recording.forces))
+
+
+def _fastest(case: Case) -> list[tuple[float, float]]:
+    """Largest velocity and acceleration of each strut or joint [m/s or rad/s, m/s^2 or rad/s^2]; none if unknown."""
+    motion = None if case.limits is None else case.limits.motion
+    if isinstance(motion, MotionLimits):
+        return [(motion.strut_velocity_m_s, motion.strut_acceleration_m_s2)] * len(STRUTS)
+    return [] if motion is None else list(zip(motion.rate.tolist(), motion.acceleration.tolist(), strict=True))
 
 
 def _from_neighbours(values: Array) -> Array:
@@ -378,28 +400,58 @@ def _peaks(size: Array, most: float) -> Indices:
 
 
 def _outside(recording: Recording, case: Case) -> list[Finding]:
-    """Struts beyond what the machine can reach by more than its margin: a run of another machine, or a wrong offset."""
-    if recording.drives is None or case.workspace is None:
+    """Struts or joints beyond their ends by more than the margin: a run of another machine, or a wrong offset."""
+    if recording.drives is None or (ends := _ends(case)) is None:
         return []
-    low, high = case.workspace.strut_length
-    near = 0.0 if case.limits is None else case.limits.margin.of_length(low, high)  # at an end, encoders are noisy
-    if low - near <= recording.drives.min() and recording.drives.max() <= high + near:
+    low, high, near = ends
+    beyond: Array = np.maximum(low - recording.drives, recording.drives - high)
+    if not (beyond > near).any():
         return []
-    beyond = np.maximum(low - recording.drives, recording.drives - high)
     row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
     others = int((beyond > 0.0).any(axis=0).sum()) - 1
-    also = phrase("and_others", " (and {count} others)", count=others) if others else NOTHING
-    text = phrase(
-        "strut_outside",
-        "strut {number} of {length} mm{also} is outside the workspace of {low} to {high} mm; check offset and order of "
-        "the struts, or workspace.strut_length_mm",
-        number=worst + 1,
-        length=f"{recording.drives[row, worst] / MM:.6g}",
-        also=also,
-        low=f"{low / MM:g}",
-        high=f"{high / MM:g}",
-    )
-    return [warning(Kind.CASE, text, places(recording.lines, (beyond > 0.0).any(axis=1)))]
+    joint = None if case.chain is None else case.chain.joints[worst]
+    unit = MM if joint is None else joint.unit
+    values = {
+        "also": phrase("and_others", " (and {count} others)", count=others) if others else NOTHING,
+        "low": f"{low[worst] / unit:g}",
+        "high": f"{high[worst] / unit:g}",
+    }
+    value = f"{recording.drives[row, worst] / unit:.6g}"
+    if joint is None:
+        text = phrase(
+            "strut_outside",
+            "strut {number} of {length} mm{also} is outside the workspace of {low} to {high} mm; check offset and "
+            "order of the struts, or workspace.strut_length_mm",
+            number=worst + 1,
+            length=value,
+            **values,
+        )
+    else:
+        text = phrase(
+            "joint_outside",
+            "joint {name} at {position} {unit}{also} is beyond its ends of {low} to {high} {unit}; check zeros, signs "
+            "and order of the joints, or {key}",
+            name=joint.name,
+            position=value,
+            unit="deg" if joint.turns else "mm",
+            key=f"machine.chain.joints[{worst + 1}].position_{'deg' if joint.turns else 'mm'}",
+            **values,
+        )
+    return [warning(Kind.CASE, text, places(recording.lines, np.any(beyond > 0.0, axis=1)))]
+
+
+def _ends(case: Case) -> tuple[Array, Array, Array] | None:
+    """Lower and upper end of each strut or joint and what encoders may be beyond them, shape (k,) [m or rad]."""
+    if case.chain is not None:
+        (low, high), turns = case.chain.position, [joint.turns for joint in case.chain.joints]
+    elif case.workspace is not None:
+        low, high = (np.full(len(STRUTS), end) for end in case.workspace.strut_length)
+        turns = [False] * len(STRUTS)
+    else:
+        return None
+    margin = Margin() if case.limits is None else case.limits.margin
+    near = [margin.of_way(*way) for way in zip(low.tolist(), high.tolist(), turns, strict=True)]
+    return low, high, np.array(near)
 
 
 def cut_off(recording: Recording) -> list[Finding]:
