@@ -18,7 +18,7 @@ from cases.acceptance import Acceptance
 from cases.base.atomic import write_text
 from cases.base.errors import CaseError, Code, option, printable
 from cases.base.output_places import check_file
-from cases.base.phrases import PURPOSE, Phrase, enumerated, phrase
+from cases.base.phrases import NOTHING, PURPOSE, Phrase, as_it_is, enumerated, phrase
 from cases.base.text_formats import toml_text
 from cases.base.units import DEG, MINUTE, MM, Array, as_html
 from cases.bounds import Bounds
@@ -496,23 +496,35 @@ class Case(Heading):
         if (place := self.flange_from_sensor) is not None:
             return place
         if self.chain is None and self.sensor_frame.transducer is None:
-            problem = f"is that of no robot: {purpose} is for setup R, a force/torque sensor at a flange"
             raise CaseError(
                 file=f"case {self.name}",
                 key="setup",
-                problem=problem,
-                remedy=f"export {option('target', 'to')} c, linuxcnc, st or json",
+                problem=phrase(
+                    "not_a_robot",
+                    "is that of no robot: {purpose} is for setup R, a force/torque sensor at a flange",
+                    purpose=purpose,
+                ),
+                remedy=phrase(
+                    "export_to_others", "export {option} c, linuxcnc, st or json", option=option("target", "to")
+                ),
                 code=Code.OTHER_SOURCE,
             )
-        key, of, z = "machine.chain.flange", "the last joint's moved frame, as machine.chain.sensor does {P}", 116.5
+        key, z = "machine.chain.flange", 116.5
+        of = phrase("last_joints_frame", "the last joint's moved frame, as machine.chain.sensor does {{P}}")
         if self.chain is None:
-            key, of, z = "sensor_frame.transducer.flange", "{P}", -40.0
+            key, z, of = "sensor_frame.transducer.flange", -40.0, as_it_is("{P}")
         raise CaseError(
             file=f"case {self.name}",
             key=key,
-            problem="is missing",
-            remedy=f"{purpose} counts from the robot's flange: state where it lies in {of}, "
-            f"such as flange = {{ origin_mm = [0.0, 0.0, {z:g}] }}",
+            problem=phrase("flange_missing", "is missing"),
+            remedy=phrase(
+                "state_flange",
+                "{purpose} counts from the robot's flange: state where it lies in {of}, such as "
+                "flange = {{ origin_mm = [0.0, 0.0, {z}] }}",
+                purpose=purpose,
+                of=of,
+                z=f"{z:g}",
+            ),
             code=Code.MISSING,
         )
 
@@ -682,15 +694,24 @@ class Case(Heading):
         if settings is None:
             example = "ur10_wrist" if kind.table == ControllerName.URSCRIPT else "hexapod"
             others = [name for name in ControllerName if getattr(self.controller, name, None) is not None]
-            for_case = (
-                f"for the case's own controller write {option('dialect')} {' or '.join(others)}, or " if others else ""
+            for_case = phrase(
+                "for_own_controller",
+                "for the case's own controller write {option} {others}, or ",
+                option=option("dialect"),
+                others=enumerated("or", others),
             )
             raise CaseError(
                 file=f"case {self.name}",
                 key=f"controller.{kind.table}",
-                problem="is missing",
-                remedy=f"the dialect {kind.table} needs it: {for_case}add the table to the case file, see "
-                f"cases/{example}/case.toml",
+                problem=phrase("settings_missing", "is missing"),
+                remedy=phrase(
+                    "add_settings",
+                    "the dialect {dialect} needs it: {for_case}add the table to the case file, see "
+                    "cases/{example}/case.toml",
+                    dialect=kind.table,
+                    for_case=for_case if others else NOTHING,
+                    example=example,
+                ),
                 code=Code.MISSING,
             )
         return settings

@@ -73,8 +73,20 @@ class Known:
         """Raises HexciteError where a plan is for another model."""
         if number != self.model:
             raise HexciteError(
-                problem=f"{self.results[0]} has the parameters of model {self.model}, the plan those of model {number}",
-                remedy=f"plan with {option('model')} {self.model}, or identify with {option('model')} {number}",
+                problem=phrase(
+                    "known_of_model",
+                    "{result} has the parameters of model {model}, the plan those of model {number}",
+                    result=self.results[0],
+                    model=self.model,
+                    number=number,
+                ),
+                remedy=phrase(
+                    "plan_with_model",
+                    "plan with {option} {model}, or identify with {option} {number}",
+                    option=option("model"),
+                    model=self.model,
+                    number=number,
+                ),
                 code=Code.OTHER_SOURCE,
             )
 
@@ -111,9 +123,16 @@ def _require_usable(result: "Result", case: Case, payload: int, standing: bool) 
     if fixed:
         raise FileProblem(
             place=source,
-            problem=f"was identified with {fixed[0]} known, which is not what its run told",
-            remedy=f"identify without {option('known', 'fix')}, {option('dropped', 'drop')} and "
-            f"{option('priors', 'prior')}",
+            problem=phrase(
+                "known_beforehand", "was identified with {name} known, which is not what its run told", name=fixed[0]
+            ),
+            remedy=phrase(
+                "identify_without",
+                "identify without {fix}, {drop} and {prior}",
+                fix=option("known", "fix"),
+                drop=option("dropped", "drop"),
+                prior=option("priors", "prior"),
+            ),
             code=Code.CONTRADICTION,
         )
     weights = () if case.payloads is None else case.payloads.weights[:payload]
@@ -121,12 +140,21 @@ def _require_usable(result: "Result", case: Case, payload: int, standing: bool) 
     if abs(result.mounted - mass) > SAME_MASS:
         raise FileProblem(
             place=source,
-            problem=f"a payload of {result.mounted:.4g} kg was mounted, {mass:.4g} kg is planned for",
-            remedy=f"plan with the {option('payload')} of that run",
+            problem=phrase(
+                "other_payload_mounted",
+                "a payload of {mounted} kg was mounted, {planned} kg is planned for",
+                mounted=f"{result.mounted:.4g}",
+                planned=f"{mass:.4g}",
+            ),
+            remedy=phrase("plan_with_payload", "plan with the {option} of that run", option=option("payload")),
             code=Code.OTHER_SOURCE,
         )
     if (record.delay_s is None) != standing:
-        problem = "is of a motion, standstills are planned" if standing else "is of standstills, a motion is planned"
         raise FileProblem(
-            place=source, problem=problem, remedy="name results of the same kind of run", code=Code.OTHER_SOURCE
+            place=source,
+            problem=phrase("known_of_motion", "is of a motion, standstills are planned")
+            if standing
+            else phrase("known_of_standstills", "is of standstills, a motion is planned"),
+            remedy=phrase("same_kind_of_run", "name results of the same kind of run"),
+            code=Code.OTHER_SOURCE,
         )

@@ -105,9 +105,13 @@ def require_more(request: Request, case: Case) -> None:
     if all(std[name] <= at for name, at in request.target.items()):
         raise HexciteError(
             place=f"target {deviations_in_words(request.target, request.target, case, request.model)}",
-            problem=f"is reached by {', '.join(request.known.results)}: "
-            f"{deviations_in_words(request.target, std, case, request.model)}",
-            remedy="no motion is needed",
+            problem=phrase(
+                "target_is_reached",
+                "is reached by {results}: {deviations}",
+                results=", ".join(request.known.results),
+                deviations=deviations_in_words(request.target, std, case, request.model),
+            ),
+            remedy=phrase("no_motion_needed", "no motion is needed"),
             code=Code.OUT_OF_RANGE,
         )
 

@@ -1,6 +1,7 @@
 """Commands of what was filled in on the page: each field is checked, and becomes an argument of its own."""
 
 import math
+import re
 from collections.abc import Collection, Mapping, Sequence
 
 from hexcite.page.refusals import Unfit
@@ -38,6 +39,20 @@ def number(fields: Fields, name: str, low: float, high: float) -> str:
     return text
 
 
+def whole_number(fields: Fields, name: str, low: int, high: int) -> str:
+    """A whole number as typed; raises Unfit where it is none, or out of range."""
+    text = number(fields, name, low, high)
+    if not text.isdecimal():
+        raise Unfit("no_whole_number", name=name, text=text)
+    return text
+
+
+def _targets(text: str) -> list[str]:
+    """Accuracies as options, of a list behind commas or semicolons; a comma between two digits is a decimal one."""
+    parts = re.split(r";|,(?!\d)", text)
+    return [re.sub(r"(?<=\d),(?=\d)", ".", part.strip()) for part in parts if part.strip()]
+
+
 def place(name: str) -> str:
     """A file or folder as an argument, which no option is."""
     return f"./{name}" if name.startswith("-") else name
@@ -58,9 +73,9 @@ def plan(machine: Machine, fields: Fields, output: str, results: Collection[str]
         command += ["--duration", number(fields, "duration", 0.5, 600)]
         command += EFFORTS[chosen(fields, "effort", EFFORTS, "quick")]
         command += known
-        for text in field(fields, "target").replace(";", ",").split(","):
-            if text.strip():
-                command.append(f"--target={text.strip()}")
+        command += [f"--target={text}" for text in _targets(field(fields, "target"))]
+        if field(fields, "seed"):
+            command += ["--seed", whole_number(fields, "seed", 0, 2**31)]
     controller = field(fields, "controller")
     if family in ("best", "ptp"):
         if controller:

@@ -46,7 +46,7 @@ class Row:
         column: of the file; empty where it is read from none.
         unit: that the file is taken to use.
         guessed: whether it follows from values alone.
-        reasons: why this column, and why this unit.
+        reasons: why this column, and why this unit; empty of what has no reason.
         scale: that is stated, as text.
     """
 
@@ -54,7 +54,7 @@ class Row:
     column: str
     unit: str
     guessed: bool
-    reasons: tuple[Markup, ...]
+    reasons: tuple[Markup, Markup]
     scale: str
 
 
@@ -143,11 +143,11 @@ def _text(value: Any) -> str:
 def _row(words: Words, name: str, column: Mapping[str, Any] | None, scales: Mapping[str, Any]) -> Row:
     scale = _text(scales.get(name))
     if column is None:
-        return Row(name, "", "", False, (), scale)
-    reasons = tuple(
-        words.reasons(column.get(f"{key}_codes"), column[key]) for key in ("reason", "unit_reason") if column.get(key)
+        return Row(name, "", "", False, (Markup(), Markup()), scale)
+    why_column, why_unit = (
+        words.reasons(column.get(f"{key}_codes"), column.get(key) or "") for key in ("reason", "unit_reason")
     )
-    return Row(name, column["name"], column["unit"], column["guessed"], reasons, scale)
+    return Row(name, column["name"], column["unit"], column["guessed"], (why_column, why_unit), scale)
 
 
 def _needed(case: Case, columns: list[Mapping[str, Any]]) -> tuple[str, ...]:

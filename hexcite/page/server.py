@@ -34,6 +34,7 @@ from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, 
 from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine_of
 from hexcite.page.words import Words
 from hexcite.texts import LANGUAGES, Language, language_of, text
+from hexcite.texts.decimals import page_with_commas
 
 MOST_REPORT = 2**26  # bytes of a report that is translated: ours have 2 MB
 STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
@@ -174,7 +175,8 @@ class _Page:
 
         self.answered.set()
         always = {"t": say, "w": Words(language), "language": language, "root": str(self.root)}
-        return self.templates.get_template(template).render(**always, **values)
+        page = self.templates.get_template(template).render(**always, **values)
+        return page_with_commas(page) if language == "de" else page
 
     def _context(self, request: Request) -> Context:
         machine = machine_of(self.root, request.path_params["key"])
@@ -403,7 +405,12 @@ class _Page:
         path = inside(self.root, request.path_params["name"])
         if path.suffix != ".svg":
             raise HTTPException(404)
-        return await self._shown(path, "image/svg+xml", PICTURE)
+        if self._language(request) == "en" or not path.is_file() or path.stat().st_size > MOST_REPORT:
+            return await self._shown(path, "image/svg+xml", PICTURE)
+        from hexcite.reports.translated import picture_in_german
+
+        svg = await run_in_threadpool(lambda: picture_in_german(path.read_text(encoding="utf-8")))
+        return Response(svg, media_type="image/svg+xml", headers={"content-security-policy": PICTURE})
 
     async def _shown(self, path: Path, kind: str, policy: str) -> Response:
         if not path.is_file():

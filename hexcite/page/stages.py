@@ -242,6 +242,8 @@ def workspace(root: Path, machine: Machine) -> Workspace:
     return Workspace(machine, plans, _newest(programs[:MOST]), _newest([*runs, *files[:MOST]]), results)
 
 
+RUN_FILE = "recording.csv"
+"""File of a run in the folder of a rehearsal."""
 BAG_INDEX = "metadata.yaml"
 """File beside the data of a ROS 2 bag."""
 MARK = ".on-its-way"

@@ -15,6 +15,7 @@ from hexcite.texts import Language, text
 from hexcite.texts import answers as german
 from hexcite.texts.by_code import at_place, limit, parameter, place_words, sentence
 from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
+from hexcite.texts.decimals import page_with_commas
 from identification.recording.formats.reasons import Why
 from identification.texts import begun, parameter_words
 
@@ -206,7 +207,7 @@ class Words:
         name = str(escape(refusal.places.get("name", "")))
         for before in (f"<code>{name}</code>: ", f"{name}: "):
             sentence = sentence.replace(before, "", 1) if name else sentence
-        return Markup(sentence)
+        return Markup(sentence if self._own else page_with_commas(sentence))
 
     def say(self, key: str, **places: object) -> str:
         """A text of the page."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
@@ -87,7 +88,7 @@ def look_pages(report: Look) -> Iterator[Figure]:
             for column in panel.columns:
                 axes.plot(*_line(rows if column.t is None else column.t, column.values), lw=0.8, label=_label(column))
             axes.set_ylabel(_escaped(panel.title))
-            axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="x-small", frameon=False)
+            axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small", frameon=False)
         every[-1].set_xlabel("t [s]" if own_clocks else _escaped(axis))
         yield figure
 
@@ -125,7 +126,11 @@ def save_pages(pages: Iterator[Figure], file: Path, overwrite: bool) -> list[Pat
     Raises FileProblem where one of them stands there already, and `overwrite` is not set, or cannot be written.
     """
     kind = file.suffix[1:].lower()
-    with warnings.catch_warnings():  # a letter that the font does not have is drawn as a box
+    # text as text: it can be searched, and said in another language
+    with (
+        warnings.catch_warnings(),
+        rc_context({"svg.fonttype": "none"}),
+    ):  # a letter that the font does not have is drawn as a box
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         if kind == "pdf":
             with atomic_file(file) as part, PdfPages(part) as pdf:

@@ -16,6 +16,7 @@ from markupsafe import Markup, escape
 from hexcite.reports.page import script_json, with_tooltips
 from hexcite.texts import answers
 from hexcite.texts.by_code import limit_of, parameter, sentence
+from hexcite.texts.decimals import page_with_commas, with_commas
 from hexcite.texts.reports import FIXED, TERMS, WORDS_OF_MACHINE
 from identification.texts import begun, parameter_words
 
@@ -25,7 +26,20 @@ def in_german(page: str) -> str:
     page = _FIGURE.sub(_figure, page)
     page = _SAID.sub(_element, page)
     page = _LABEL.sub(lambda label: f'{label[1]}="{escape(_label(unescape(label[2])))}"', page)
-    return page.replace('<html lang="en">', '<html lang="de">', 1)
+    return page_with_commas(page.replace('<html lang="en">', '<html lang="de">', 1))
+
+
+def picture_in_german(svg: str) -> str:
+    """A picture as `still` draws it, in German."""
+    return _still(svg, lambda english: fixed(english) or english)
+
+
+def _still(svg: str, words: Callable[[str], str]) -> str:
+    return _TEXT.sub(lambda text: f"{text[1]}{_shown(words, text[2])}{text[3]}", svg)
+
+
+def _shown(words: Callable[[str], str], text: str) -> str:
+    return escaped(with_commas(words(unescape(text))), quote=False)
 
 
 _FIGURE = re.compile(r'<figure(?: class="half")?(?: data-phrases="([^"]*)")?>.*?</figure>', re.DOTALL)
@@ -82,27 +96,37 @@ def _figure(figure: re.Match[str]) -> str:
         value = json.loads(script[2])
         if 'id="scene"' in script[1]:
             return f"{script[1]}{script_json(_scene(value))}{script[3]}"
-        return f"{script[1]}{script_json(_replaced(value, words))}{script[3]}"
+        value = _replaced(value, words)
+        value["layout"]["separators"] = ", "  # between whole and decimal digits, and thousands
+        return f"{script[1]}{script_json(value)}{script[3]}"
 
     def still(source: re.Match[str]) -> str:
-        svg = base64.b64decode(source[2]).decode()
-        svg = _TEXT.sub(lambda text: f"{text[1]}{escaped(words(unescape(text[2])), quote=False)}{text[3]}", svg)
+        svg = _still(base64.b64decode(source[2]).decode(), words)
         return f'{source[1]}{base64.b64encode(svg.encode()).decode("ascii")}"'
 
     whole = _STILL.sub(still, _SCRIPT.sub(data, figure[0]))
     return _LABEL.sub(lambda label: f'{label[1]}="{escape(words(unescape(label[2])))}"', whole)
 
 
-def _replaced(value: Any, words: Callable[[str], str]) -> Any:
-    """Data of a figure with its texts in other words; in them, plotly reads some HTML."""
+def _replaced(value: Any, words: Callable[[str], str], read: bool = False) -> Any:
+    """Data of a figure with its texts in other words; in them, plotly reads some HTML.
+
+    Args:
+        value: of the data.
+        words: a text in other words.
+        read: whether it is one that people read as it stands, and not a name, a colour or a format.
+    """
     if isinstance(value, str):
-        return escaped(words(unescape(value)), quote=False)
+        return _shown(words, value) if read else escaped(words(unescape(value)), quote=False)
     if isinstance(value, list):
-        return [_replaced(each, words) for each in value]
+        return [_replaced(each, words, read) for each in value]
     if isinstance(value, Mapping):
         packed = "bdata" in value
-        return value if packed else {key: _replaced(each, words) for key, each in value.items()}
+        return value if packed else {key: _replaced(each, words, key in _READ) for key, each in value.items()}
     return value
+
+
+_READ = ("text", "ticktext")
 
 
 def _scene(scene: Mapping[str, Any]) -> dict[str, Any]:

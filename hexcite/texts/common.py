@@ -27,7 +27,13 @@ TEXTS: dict[str, tuple[str, str]] = {
     "running": ("under way", "läuft"),
     "stopping": ("is ending", "wird beendet"),
     "done": ("done", "fertig"),
-    "failed": ("refused", "abgelehnt"),
+    "failed": ("not done", "nicht ausgeführt"),
+    "causes_tried": (
+        "Residuals that are far above the noise have a cause: exchanged channels, units, clocks, dimensions are tried "
+        "one after the other, which takes up to a minute.",
+        "Residuen weit über dem Rauschen haben eine Ursache: Vertauschte Kanäle, Einheiten, Uhren, Maße werden "
+        "nacheinander versucht; das dauert bis zu einer Minute.",
+    ),
     "stopped": ("stopped; nothing was written", "angehalten; nichts wurde geschrieben"),
     "killed": (
         "ended from outside; what was finished before is there",

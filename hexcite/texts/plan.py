@@ -10,14 +10,26 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Für diese Maschine ist keine Bewegung planbar; es fehlt: {what}. Eine Aufzeichnung lässt sich lesen.",
     ),
     "motion_seconds": ("Seconds of the motion", "Sekunden der Bewegung"),
+    "seconds_usual": (
+        "5 to 30 are usual; longer motions give smaller deviations",
+        "üblich sind 5 bis 30; längere Bewegungen geben kleinere Abweichungen",
+    ),
     "target_accuracy": (
         "Accuracy wanted, if any: the shortest motion that reaches it is found, up to the seconds above",
         "Gewünschte Genauigkeit, falls nötig: Gesucht wird die kürzeste Bewegung dafür, bis zu den Sekunden oben",
     ),
+    "target_how": (
+        "standard deviations with units: m is the mass, xC yC zC the centre of gravity",
+        "Standardabweichungen mit Einheit: m ist die Masse, xC yC zC der Schwerpunkt",
+    ),
+    "target_example": ("m=5g, zC=0.05mm", "m=5g; zC=0,05mm"),
     "mass_deviation": ("Predicted standard deviation of the mass", "Vorhergesagte Standardabweichung der Masse"),
     "search_how": ("How long to search", "Wie lange suchen"),
-    "quick": ("quick, 20 s", "schnell, 20 s"),
-    "minute": ("a minute", "eine Minute"),
+    "quick": (
+        "quick: 20 s of search, then the proof and the report",
+        "schnell: 20 s Suche, dann Beweis und Bericht",
+    ),
+    "minute": ("a minute of search", "eine Minute Suche"),
     "thorough": ("thorough, as long as it pays", "gründlich, solange es sich lohnt"),
     "family": ("Kind of motion", "Art der Bewegung"),
     "family_best": ("the best by trying", "die beste durch Probieren"),
@@ -28,10 +40,39 @@ TEXTS: dict[str, tuple[str, str]] = {
     "family_poses": ("poses to stand still at", "Posen zum Stillstehen"),
     "pose_count": ("Number of poses, for standing still only", "Anzahl der Posen, nur zum Stillstehen"),
     "for_controller": ("For the controller", "Für die Steuerung"),
-    "any_controller": ("as the case says", "wie die Maschine es sagt"),
+    "for_controller_note": (
+        "only where it times moves by itself; the program is written in the next stage",
+        "nur, wenn sie Bewegungen selbst ihre Zeit gibt; das Programm entsteht im nächsten Schritt",
+    ),
+    "any_controller": ("any of the machine", "jede der Maschine"),
     "without_jerk": (
-        "The machine bears steps of acceleration (needed for LinuxCNC and URScript)",
-        "Die Maschine verträgt Beschleunigungssprünge (für LinuxCNC und URScript nötig)",
+        "Acceleration may change in steps, without a limit of jerk (LinuxCNC and URScript need this)",
+        "Die Beschleunigung darf springen, ohne Grenze des Rucks (LinuxCNC und URScript brauchen das)",
+    ),
+    "seed": ("Another start of the search (seed)", "Anderer Beginn der Suche (Startzahl, --seed)"),
+    "seed_note": (
+        "any whole number: each leads to other random starts",
+        "eine ganze Zahl: jede führt zu anderen zufälligen Starts",
+    ),
+    "information": ("information", "Information"),
+    "made_for": ("for {what}", "für {what}"),
+    "better_plan": (
+        "An earlier plan that was asked for alike tells more (information {efficiency}):",
+        "Ein früherer Plan mit denselben Vorgaben verrät mehr (Information {efficiency}):",
+    ),
+    "efficiency_note": (
+        "The search makes the information on all parameters together as large as it can. 1 is a bound that motions "
+        "come near to but do not reach; what is usual depends on the machine (0.1 to 0.7): compare with the motion by "
+        "hand. Where one parameter counts, such as the mass, state the accuracy wanted above.",
+        "Die Suche macht die Information über alle Parameter zusammen so groß, wie sie kann. 1 ist eine Schranke, die "
+        "keine Bewegung erreicht; was üblich ist, hängt von der Maschine ab (0.1 bis 0.7): mit der Bewegung von Hand "
+        "vergleichen. Zählt ein Parameter, etwa die Masse, oben die gewünschte Genauigkeit angeben.",
+    ),
+    "best_note": (
+        "The smallest deviation of each row is bold. A motion with more information in all may measure a single "
+        "parameter less well than another one.",
+        "Die kleinste Abweichung jeder Zeile ist fett. Eine Bewegung mit insgesamt mehr Information kann einen "
+        "einzelnen Parameter weniger genau bestimmen als eine andere.",
     ),
     "known_results": (
         "Earlier results of the same load that count as known: deviations are then of all together",

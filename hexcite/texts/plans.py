@@ -13,8 +13,8 @@ PLANS = {
     "search_stopped": "durch Zeitgrenze oder Ctrl-C beendet",
     "converged": "am Ziel",
     "short_steps": "seine Schritte wurden zu kurz",
-    "drawn_back": "die Bewegung musste auf {share} % ihrer Wege verkleinert werden, um alle Grenzen einzuhalten: mit "
-    "anderem --seed planen, oder in einem kleineren Bereich",
+    "drawn_back": "die gefundene Bewegung überschritt eine Grenze und wurde auf {share} % ihrer Wege verkleinert, was "
+    "Information kostet: mit anderer Startzahl (--seed) planen, oder in einem kleineren Bereich",
     "short_ways": "keine Grenze von Geschwindigkeit oder Kraft ist über {share} % genutzt ({limit}): die Wege sind "
     "kurz für diese Geschwindigkeiten; [limits.motion] weiter angeben, oder {other} versuchen",
     "ended_as_asked": "nach {seconds} s beendet, wie verlangt: die beste von {count} Bewegungen bis dahin",
@@ -22,7 +22,7 @@ PLANS = {
     "wenig",
     "family_has": "{family} {efficiency}",
     "timed_moves": "; für eine Steuerung, die Bewegungen selbst ihre Zeit gibt, --family ptp",
-    "by_trying": "{family}, durch Probieren: D-Effizienz {most}, erste Starts von {behind}{path}",
+    "by_trying": "{family}, durch Probieren: D-Effizienz {most}, und die ersten Starts anderer: {behind}{path}",
     "needless_harmonics": "Oberschwingungen über {order} sind unnötig: ohne sie behält die Bewegung {share} % ihrer "
     "Information; --order {order} sucht weniger Unbekannte",
     "whole_periods": "ganze Perioden von {period} s brauchen {taken} s der {duration} s; --duration {more} hat Zeit "
@@ -31,7 +31,7 @@ PLANS = {
     "Grenzen des Rucks der Maschine ({limits}) sind weggelassen, wie verlangt",
     "with_jerk": "mit begrenztem Ruck brauchen dieselben Bewegungen {seconds} s, mit einer D-Effizienz von "
     "{efficiency}",
-    "best_moves": "{moves} Bewegungen sind das Beste von {tried}",
+    "best_moves": "{moves} Bewegungen verraten am meisten; versucht wurden {tried}",
     "best_order": "Ordnung {order} mit Periode {period} s ist das Beste von Suchen, die bei {count} Paaren von Ordnung "
     "und Periode begannen",
     "shortest": "{duration} s ist die kürzeste von {count} Dauern, die {targets} erreicht: vorausgesagt ist "

@@ -41,6 +41,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "{name} ist ein Programm, das hexcite geschrieben hat, und keine Aufzeichnung: an der Maschine ausführen oder "
         "proben und bringen, was die Steuerung dabei aufgezeichnet hat",
     ),
+    "not_for_linuxcnc": (
+        "{name} is not a program for LinuxCNC; rehearse it on the virtual controller, or write one for LinuxCNC",
+        "{name} ist kein Programm für LinuxCNC; auf der virtuellen Steuerung proben, oder eines für LinuxCNC schreiben",
+    ),
     "no_choice": ("{name}: {text!r} is not a choice", "{name}: {text!r} steht nicht zur Wahl"),
     "no_column": ("{name}: {text!r} is not a column of the file", "{name}: {text!r} ist keine Spalte der Datei"),
     "column_is_read": (

@@ -243,6 +243,7 @@ FIXED: Mapping[str, str] = (
 
 WORDS_OF_MACHINE = {
     "play": "Abspielen", "pause": "Pause", "pose": "Pose", "of": "von", "path": "Bahn", "poses": "Posen",
+    "decimal": ",",
 }  # fmt: skip
 """Words of the buttons beside a machine in 3-D, and of its legend."""
 

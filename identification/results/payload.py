@@ -84,11 +84,15 @@ class Payload:
         """The same in {P}; raises IdentificationError where its centre of gravity is not known as a whole."""
         if self.body is None:
             missing = ", ".join(name for name in ("xC", "yC", "zC") if name not in self.parameters)
-            problem = f"{missing} of the payload not determined, so that it can be stated neither in another frame nor"
             raise IdentificationError(
                 place=self.source,
-                problem=f"{problem} as a load",
-                remedy="weigh it in another orientation too",
+                problem=phrase(
+                    "payload_open",
+                    "{missing} of the payload not determined, so that it can be stated neither in another frame nor as "
+                    "a load",
+                    missing=missing,
+                ),
+                remedy=phrase("weigh_it_turned", "weigh it in another orientation too"),
                 code=Code.NO_EXCITATION,
             )
         return self.body

@@ -15,7 +15,7 @@ from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
 from cases.base.errors import Code, FileProblem, HexciteError, option
-from cases.base.phrases import phrase
+from cases.base.phrases import Phrase, phrase
 from cases.base.provenance import provenance
 from cases.base.units import Array
 from identification.estimation.covariances import Free, larger_of
@@ -150,14 +150,31 @@ def require_alike(results: Sequence[Result]) -> None:
         _require_like(result, first)
 
 
+NONE = phrase("none_stated", "none")
+
+
+def _differs(what: str, here: object, source: str, there: object) -> Phrase:
+    """That something of a result is another than that of the first one."""
+    return phrase(
+        "differs_from_first", "{what} is {here}, that of {source} {there}", what=what, here=here, source=source,
+        there=there,
+    )  # fmt: skip
+
+
 def _require_like(result: Result, first: Result) -> None:
     """Raises FileProblem where a result differs from the first in machine, options, load or kind of run."""
-    again = "identify both with the same case and options"
+    again = phrase("identify_both_alike", "identify both with the same case and options")
     record, base = result.record, first.record
     if record.case != base.case:
         raise FileProblem(
             place=result.source,
-            problem=f"is of case {record.case}, {first.source} of {base.case}",
+            problem=phrase(
+                "results_of_two_cases",
+                "is of case {case}, {other} of {other_case}",
+                case=record.case,
+                other=first.source,
+                other_case=base.case,
+            ),
             remedy=again,
             code=Code.OTHER_SOURCE,
         )
@@ -167,17 +184,18 @@ def _require_like(result: Result, first: Result) -> None:
             there, here = ("not stated" if of.get(key) is None else of[key] for of in (then, now))
             raise FileProblem(
                 place=result.source,
-                problem=f"{key} is {here}, that of {first.source} {there}",
+                problem=_differs(key, here, first.source, there),
                 remedy=again,
                 code=Code.OTHER_SOURCE,
             )
     for what in ("model", "known", "dropped", "weights"):
         there, here = getattr(base, what), getattr(record, what)
         if (there or None) != (here or None):
-            remedy = f"{again}, and with {option('model')}" if what == "model" else again
+            with_model = phrase("also_with", "{again}, and with {option}", again=again, option=option("model"))
+            remedy = with_model if what == "model" else again
             raise FileProblem(
                 place=result.source,
-                problem=f"{what} is {here or 'none'}, that of {first.source} {there or 'none'}",
+                problem=_differs(what, here or NONE, first.source, there or NONE),
                 remedy=remedy,
                 code=Code.OTHER_SOURCE,
             )

@@ -11,7 +11,7 @@ import numpy as np
 from cases.base.doors import checks_arguments
 from cases.base.errors import CaseError, Code, HexciteError, choice, option
 from cases.base.options import documented
-from cases.base.phrases import phrase
+from cases.base.phrases import enumerated, phrase
 from cases.controller import ControllerName
 from cases.readiness import languages_of, require_machine
 from cases.schema import Case
@@ -151,8 +151,17 @@ class Fourier(FourierOptions, FamilySettings):
         repeats = duration / self.period
         if not (repeats >= 1.0 - ROUNDING and abs(repeats - round(repeats)) < ROUNDING):
             raise HexciteError(
-                problem=f"duration {duration:g} s is not a whole number of periods of {self.period:g} s",
-                remedy=f"choose {max(self.fewest, round(repeats)) * self.period:g} s",
+                problem=phrase(
+                    "broken_periods",
+                    "duration {duration} s is not a whole number of periods of {period} s",
+                    duration=f"{duration:g}",
+                    period=f"{self.period:g}",
+                ),
+                remedy=phrase(
+                    "choose_duration",
+                    "choose {duration} s",
+                    duration=f"{max(self.fewest, round(repeats)) * self.period:g}",
+                ),
                 code=Code.OUT_OF_RANGE,
             )
         if round(repeats) < self.fewest:
@@ -182,10 +191,21 @@ class Fourier(FourierOptions, FamilySettings):
                 most = int(duration * limit / order * (1 + ROUNDING))  # whole periods that pass
                 longer = option("period" if self.period or most >= self.fewest else "duration")
                 raise HexciteError(
-                    problem=f"period {period:g} s is too short: order {order} reaches {order / period:g} Hz, the "
-                    f"evaluation passes up to {limit:g} Hz (half of recording.filter_cutoff_Hz)",
-                    remedy=f"choose {longer} "
-                    f"{duration / most if most >= self.fewest else self.fewest * order / limit:g} or more",
+                    problem=phrase(
+                        "short_period",
+                        "period {period} s is too short: order {order} reaches {frequency} Hz, the evaluation passes "
+                        "up to {limit} Hz (half of recording.filter_cutoff_Hz)",
+                        period=f"{period:g}",
+                        order=order,
+                        frequency=f"{order / period:g}",
+                        limit=f"{limit:g}",
+                    ),
+                    remedy=phrase(
+                        "choose_or_more",
+                        "choose {option} {least} or more",
+                        option=longer,
+                        least=f"{duration / most if most >= self.fewest else self.fewest * order / limit:g}",
+                    ),
                     code=Code.OUT_OF_RANGE,
                 )
 
@@ -209,8 +229,17 @@ class Fourier(FourierOptions, FamilySettings):
                 chosen.append(replace(family, equal_start=self.equal_start))
         if not chosen:
             raise HexciteError(
-                problem=f"no period fits: {duration:g} s is too short or the filter of the evaluation too low",
-                remedy=f"choose a longer {option('duration')}, or fix {option('period')}",
+                problem=phrase(
+                    "no_period_fits",
+                    "no period fits: {duration} s is too short or the filter of the evaluation too low",
+                    duration=f"{duration:g}",
+                ),
+                remedy=phrase(
+                    "longer_duration",
+                    "choose a longer {duration}, or fix {period}",
+                    duration=option("duration"),
+                    period=option("period"),
+                ),
                 code=Code.OUT_OF_RANGE,
             )
         return tuple(chosen)
@@ -307,10 +336,32 @@ class PointToPoint(MoveOptions, FamilySettings):
         count, least = self.count(controlled(case, self.made_for(case))[0], duration), self._least_move(case)
         if duration < count * least * (1.0 - ROUNDING):
             raise HexciteError(
-                problem=f"duration {duration:g} s is too short for {count} moves: by controller.cycle_ms and limits of "
-                f"jerk each takes {least:g} s",
-                remedy=f"choose at least {count * least:g} s"
-                + (f", or fewer {option('moves')} ({ptp.FEWEST} or more)" if count > ptp.FEWEST else ""),
+                problem=phrase(
+                    "short_for_moves",
+                    "duration {duration} s is too short for {count} moves: by controller.cycle_ms and limits of jerk "
+                    "each takes {least} s",
+                    duration=f"{duration:g}",
+                    count=count,
+                    least=f"{least:g}",
+                ),
+                remedy=enumerated(
+                    "comma_or",
+                    [
+                        phrase("choose_at_least", "choose at least {least} s", least=f"{count * least:g}"),
+                        *(
+                            [
+                                phrase(
+                                    "fewer_moves",
+                                    "fewer {option} ({fewest} or more)",
+                                    option=option("moves"),
+                                    fewest=ptp.FEWEST,
+                                )
+                            ]
+                            if count > ptp.FEWEST
+                            else []
+                        ),
+                    ],
+                ),
                 code=Code.OUT_OF_RANGE,
             )
 

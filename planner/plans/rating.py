@@ -128,8 +128,8 @@ def weaknesses(planned: PlannedMotion, request: Request) -> tuple[Phrase, ...]:
         words.append(
             phrase(
                 "drawn_back",
-                "the motion had to be drawn to {share} % of its ways to satisfy every limit: plan with another --seed, "
-                "or in a smaller box",
+                "the motion that was found exceeded a limit, and was scaled to {share} % of its displacements, which "
+                "costs information: plan with another --seed, or in a smaller box",
                 share=f"{100 * share:.0f}",
             )
         )
@@ -205,7 +205,7 @@ def choice_notes(tried: Mapping[str, float]) -> tuple[Phrase, ...]:
     path = phrase("timed_moves", "; for a controller that times moves itself --family ptp")
     chosen = phrase(
         "by_trying",
-        "{family} by trying: D-efficiency {most}, first starts of {behind}{path}",
+        "{family} by trying: D-efficiency {most}, and the first starts of others: {behind}{path}",
         family=family_phrase(name),
         most=f"{most:.3f}",
         behind=enumerated("comma", behind),
@@ -310,7 +310,14 @@ def notes(planned: PlannedMotion, smooth: tuple[float, float] | None = None) -> 
     counts = {family.moves for family in families if isinstance(family, PointToPointFamily)}
     if len(counts) > 1 and isinstance(settings, MoveSettings):
         tried = ", ".join(map(str, sorted(counts)))
-        words.append(phrase("best_moves", "{moves} moves are the best of {tried}", moves=settings.moves, tried=tried))
+        words.append(
+            phrase(
+                "best_moves",
+                "{moves} moves tell most of the numbers of moves that were tried: {tried}",
+                moves=settings.moves,
+                tried=tried,
+            )
+        )
     first = (start.family.settings for start in planned.starts)
     choices = {(own.order, own.period_s) for own in first if isinstance(own, FourierSettings)}
     if len(choices) > 1 and isinstance(settings, FourierSettings):

@@ -191,8 +191,8 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Array:
 def _valid(case: Case, poses: Array) -> Array:
     if not len(poses):
         raise InfeasiblePlan(
-            problem="no pose lies inside poses.radius_mm and the XY range",
-            remedy="widen one of them",
+            problem=phrase("no_pose_inside", "no pose lies inside poses.radius_mm and the XY range"),
+            remedy=phrase("widen_one", "widen one of them"),
             code=Code.INFEASIBLE,
         )
     satisfied = standing_shares(case, poses) <= 1.0 + TOLERANCE
@@ -201,9 +201,19 @@ def _valid(case: Case, poses: Array) -> Array:
         most = int(np.argmin(satisfied.mean(axis=0)))
         worst, share = standing_report(case, poses).checks[most], 100 * (1 - satisfied[:, most].mean())
         raise InfeasiblePlan(
-            problem=f"none of {len(poses)} poses is valid: {worst.sentence(timed=False)}, exceeded at "
-            f"{share:.0f} % of them",
-            remedy=f"{remedy(worst, case)}, or narrow {'[poses]' if case.chain is None else 'limits.motion.joints'}",
+            problem=phrase(
+                "no_pose_valid",
+                "none of {count} poses is valid: {worst}, exceeded at {share} % of them",
+                count=len(poses),
+                worst=worst.sentence(timed=False),
+                share=f"{share:.0f}",
+            ),
+            remedy=phrase(
+                "or_narrow",
+                "{remedy}, or narrow {what}",
+                remedy=said(remedy(worst, case)),
+                what="[poses]" if case.chain is None else "limits.motion.joints",
+            ),
             code=Code.INFEASIBLE,
         )
     return np.asarray(poses[valid])
@@ -336,9 +346,15 @@ def _choose(
     indices, _ = reduce_best(regressors, criterion, count, done, change, known)
     if len(indices) > count:
         raise InfeasiblePlan(
-            problem=f"{count} poses do not determine model {request.model}: Algorithm 1 ends at "
-            f"{len(indices)}, every further removal loses rank",
-            remedy=f"ask for {len(indices)} or more",
+            problem=phrase(
+                "poses_lose_rank",
+                "{count} poses do not determine model {model}: Algorithm 1 ends at {fewest}, every further removal "
+                "loses rank",
+                count=count,
+                model=request.model,
+                fewest=len(indices),
+            ),
+            remedy=phrase("ask_for_more", "ask for {count} or more", count=len(indices)),
             code=Code.NO_EXCITATION,
         )
     if request.method in ("backward", "backward-change"):

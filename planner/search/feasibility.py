@@ -5,7 +5,7 @@ from itertools import count
 import numpy as np
 
 from cases.base.errors import Code, IdentificationError, InfeasiblePlan
-from cases.base.phrases import Phrase, phrase
+from cases.base.phrases import Phrase, phrase, said
 from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import box_middle, information, singular_values, uniform_states
@@ -162,8 +162,17 @@ def require_identifiable(case: Case, model: Model) -> None:
         singular_values(information(model, 1.0 / np.where(scaling > 0.0, scaling, 1.0), states), model.names)
     except IdentificationError as error:
         raise IdentificationError(
-            problem=f"case {case.name}, limits.motion: for any motion in this box {error.message}: the "
-            "machine does not turn or accelerate its load about enough axes",
-            remedy=f"widen the box, or choose a smaller model than {model.number}",
+            problem=phrase(
+                "box_excites_too_little",
+                "case {case}, limits.motion: for any motion in this box {why}: the machine does not turn or accelerate "
+                "its load about enough axes",
+                case=case.name,
+                why=said(error.said.problem),
+            ),
+            remedy=phrase(
+                "wider_or_smaller_model",
+                "widen the box, or choose a smaller model than {number}",
+                number=model.number,
+            ),
             code=Code.NO_EXCITATION,
         ) from error

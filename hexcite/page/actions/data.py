@@ -14,10 +14,16 @@ from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
 from hexcite.page.machine_inis import ini_of
 from hexcite.page.refusals import Unfit
-from hexcite.page.stages import Workspace
+from hexcite.page.stages import RUN_FILE, Workspace
 
 KEPT_UNITS = ("recording.units", "recording.clock")  # keys whose change is said beside the result
-RUN_FILE = "recording.csv"  # in the folder of a rehearsal
+
+
+def for_linuxcnc(program: str) -> bool:
+    """Whether a rehearsal on LinuxCNC may execute a program."""
+    from postprocessors.program import DIALECTS
+
+    return program.endswith(DIALECTS["linuxcnc"].suffixes)
 
 
 def _rehearse(context: Context, there: Workspace, fields: Fields) -> Job:
@@ -25,6 +31,8 @@ def _rehearse(context: Context, there: Workspace, fields: Fields) -> Job:
     output = context.free(f"{Path(program).stem}-recording")
     goto = f"{context.address}/data?recording={quote(output)}"
     on = chosen(fields, "on", ("virtual", "linuxcnc"), "virtual")
+    if on == "linuxcnc" and not for_linuxcnc(program):
+        raise Unfit("not_for_linuxcnc", name=program)
     ini = ini_of(context.root, field(fields, "ini")) if on == "linuxcnc" else ""
     command = forms.run(context.machine, program, on, output, ini)
     return job_of(context, "data", command, output=output, goto=goto)

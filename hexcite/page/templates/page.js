@@ -69,6 +69,7 @@ function put(address, file, input, said) { // the answer to a file that is sent,
 
 async function upload(files, input) { // several files are one run, in a folder that appears when all of them are there
   const said = input.parentElement.querySelector(".progress");
+  said.classList.remove("error");
   const post = async (address) => (await (await fetch(address, { method: "POST" })).json()).name;
   try {
     const run = files.length > 1 && input.multiple ? await post("/runs") : "";
@@ -77,10 +78,14 @@ async function upload(files, input) { // several files are one run, in a folder 
       name = await put("/upload/" + encodeURIComponent(file.name) + (run && "?into=" + run), file, input, said);
     }
     if (run) name = await post("/runs/" + run);
+    else if (name !== files[0].name && input.dataset.renamed) {
+      sessionStorage.setItem("renamed", input.dataset.renamed.replace("{file}", files[0].name).replace("{name}", name));
+    }
     if (input.dataset.ask) ask(input.dataset.ask, name);
     else go(/=$|^\/urdf\/$/.test(input.dataset.to) ? input.dataset.to + encodeURIComponent(name) : input.dataset.to);
   } catch (reason) {
     said.textContent = typeof reason === "string" ? reason : "";
+    said.classList.add("error");
     if (typeof reason !== "string") lost(true);
   }
 }
@@ -104,6 +109,20 @@ async function dropped(transfer) { // files, and those in folders that were drop
     return Promise.all(listed.filter((entry) => entry.isFile).map((entry) => new Promise((good, bad) => entry.file(good, bad))));
   }));
   return folders.length ? [...plain.filter((file) => !folders.some((folder) => folder.name === file.name)), ...inside.flat()] : plain;
+}
+
+for (const input of document.querySelectorAll("input.upload[data-renamed]")) { // said once, where the file is
+  input.parentElement.querySelector(".progress").textContent = sessionStorage.getItem("renamed") ?? "";
+  sessionStorage.removeItem("renamed");
+}
+
+for (const list of document.querySelectorAll("[data-ticks]")) { // what was done at the machine stays ticked
+  const key = "ticks " + location.pathname + " " + list.dataset.ticks, boxes = [...list.querySelectorAll("input")];
+  const ticked = (localStorage.getItem(key) ?? "").split(",");
+  boxes.forEach((box, k) => { box.checked = ticked.includes(String(k)); });
+  list.addEventListener("change", () => {
+    localStorage.setItem(key, boxes.flatMap((box, k) => (box.checked ? [k] : [])).join(","));
+  });
 }
 
 for (const input of document.querySelectorAll("input.upload")) {
@@ -134,6 +153,8 @@ for (const part of document.querySelectorAll("details[data-frame]")) {
   show();
 }
 
+const decimal = document.documentElement.lang === "de" ? "," : ".";
+
 // 3-D: a frame with an origin of its own draws what it is sent, and says which label was clicked.
 const spaces = [];
 function space(place) {
@@ -141,7 +162,7 @@ function space(place) {
   let scene = null, ready = false;
   const send = (next = scene) => {
     scene = next;
-    if (ready && scene) frame.contentWindow.postMessage({ scene: { ...scene, pick: Boolean(place.dataset.pick), picked: document.getElementById(place.dataset.pick ?? "")?.value }, words: { play, pause, pose, of } }, "*");
+    if (ready && scene) frame.contentWindow.postMessage({ scene: { ...scene, pick: Boolean(place.dataset.pick), picked: document.getElementById(place.dataset.pick ?? "")?.value }, words: { play, pause, pose, of, decimal } }, "*");
   };
   addEventListener("message", (event) => {
     if (event.source !== frame.contentWindow) return;
@@ -234,7 +255,7 @@ if (form) {
   const movers = [...document.querySelectorAll("[data-field]")].filter((each) => fieldOf(each.dataset.field));
   const said = (mover) => {
     const output = mover.parentElement.querySelector(`#${mover.id} + output`);
-    if (output) output.textContent = output.textContent.replace(/^\S+/, Number(mover.value).toFixed(1));
+    if (output) output.textContent = output.textContent.replace(/^\S+/, Number(mover.value).toFixed(1).replace(".", decimal));
   };
   for (const mover of movers) {
     mover.addEventListener("input", () => {

@@ -60,6 +60,15 @@ def warm_up() -> Iterator[None]:
         import_module(name)
 
 
+ENDED = "interrupted; nothing was written"  # which the state of the panel says
+QUIET = 8.0  # [s] after which an identification says what it may be busy with
+
+
+def _patience(job: Job, words: Words) -> str:
+    """What a command that says nothing itself may take long for."""
+    return words.say("causes_tried") if job.command[0] == "identify" and job.seconds > QUIET else ""
+
+
 def job(job: Job, language: Language) -> dict[str, Any]:
     """What a panel shows of a command."""
     last = job.progress[-1] if job.progress else None
@@ -67,9 +76,11 @@ def job(job: Job, language: Language) -> dict[str, Any]:
     refused = words.error(job.refused) if failed else None
     drawn: Markup = drawing.curve(job.progress, job.seconds, text("best_curve", language)) if job.search else Markup("")
     return {
-        "line": words.progress(last) if last is not None and not job.over else "",
+        "line": "" if job.over else words.progress(last) if last is not None else _patience(job, words),
         "curve": drawn,
-        "messages": job.messages[-8:] if job.state in ("failed", "stopped", "killed") else [],
+        "messages": [m for m in job.messages[-8:] if m != ENDED]
+        if job.state in ("failed", "stopped", "killed")
+        else [],
         "refused": refused,
         "refusal": words.refusal(str(job.refused.get("code"))) if failed and refused is None else "",
         "warnings": job.messages[-8:] if job.state == "done" else [],

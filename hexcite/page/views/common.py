@@ -8,7 +8,7 @@ from typing import Any
 from cases.base.errors import Remedy, Write
 from cases.base.text_formats import toml_value
 from cases.editing import placed
-from hexcite.page.stages import Made
+from hexcite.page.stages import RUN_FILE, Made
 from hexcite.page.words import Words
 from identification.texts import legible, std_text, value_text
 
@@ -27,10 +27,31 @@ def chosen(made: Sequence[Any], name: str | None) -> Any:
 
 
 def chosen_plan(plans: Sequence[Made], name: str | None) -> Made | None:
-    """The plan that is asked for, else as `chosen`, one of a manual motion last."""
+    """The plan that is asked for, else as `chosen`, one of a manual motion last, and of plans alike the best."""
     named = next((plan for plan in plans if plan.name == name), None)
     selection: Made | None = named or chosen([plan for plan in plans if not plan.by_hand] or plans, None)
-    return selection
+    return selection if named is not None or selection is None else best_alike(plans, selection)
+
+
+def best_alike(plans: Sequence[Made], plan: Made) -> Made:
+    """Of the plans that are as fresh as this one and were asked for alike the one with most information."""
+    alike = [each for each in plans if each.fresh == plan.fresh and _asked(each) == _asked(plan)]
+    return max([plan, *alike], key=lambda each: float(each.record.get("d_efficiency") or 0.0))
+
+
+def _asked(plan: Made) -> tuple[str, ...]:
+    """What a search was asked for, but how long it may take and where it begins."""
+    record, asked = plan.record, plan.record.get("asked") or {}
+    settings = record.get("settings") or {}
+    of_plan = (record.get(key) for key in ("criterion", "model", "payload", "known", "weights"))
+    parts = (asked.get("duration_s"), asked.get("family"), asked.get("target"), plan.by_hand, *of_plan)
+    return tuple(map(str, (*parts, settings.get("made_for"), settings.get("without"))))
+
+
+def recording_in(record: Mapping[str, Any]) -> str:
+    """Name of the recording that a result is of: of its file, or of the folder of a rehearsal."""
+    recording = Path(str(record.get("recording", "")))
+    return (recording.parent if recording.name == RUN_FILE else recording).name
 
 
 def beginning(path: Path) -> tuple[str, bool]:

@@ -1,6 +1,7 @@
 """The stage Plan: what was planned, and what is predicted of it."""
 
 import math
+import re
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
@@ -12,7 +13,7 @@ from cases.schema import load_case
 from hexcite.page.actions.common import Context
 from hexcite.page.forms import BY_HAND, EFFORTS, FAMILIES
 from hexcite.page.stages import Made, Workspace, workspace
-from hexcite.page.views.common import Query, chosen_plan, limits
+from hexcite.page.views.common import Query, best_alike, chosen_plan, limits
 from hexcite.page.words import Words
 from hexcite.reports.page import script_json
 from identification.texts import legible, std_text
@@ -35,6 +36,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "dialects": context.machine.dialects,
         "chosen": plan,
         "facts": None if plan is None else _facts(plan),
+        "better": None if plan is None else _better(there.plans, plan),
         "notes": [] if plan is None else _sentences(context.words, plan, "notes"),
         "weaknesses": [] if plan is None else _sentences(context.words, plan, "weaknesses"),
         "plans": [(p, _facts(p)) for p in there.plans],
@@ -50,9 +52,16 @@ def _facts(plan: Made) -> dict[str, Any]:
         "family": record.get("family", ""),
         "seconds": f"{record['duration_s']:.3g}" if isinstance(record.get("duration_s"), int | float) else "",
         "efficiency": f"{efficiency:.3f}" if isinstance(efficiency, float) else "",
+        "made_for": str((record.get("settings") or {}).get("made_for") or ""),
         "interrupted": bool(record.get("interrupted")),
         "mass": f"{_deviation('kg', record.get('predicted_std', {}).get('m'))} {legible('kg')[1]}",
     }
+
+
+def _better(plans: Sequence[Made], plan: Made) -> tuple[str, str] | None:
+    """Name and information of a plan that was asked for alike and tells more; None where there is none."""
+    best = best_alike(plans, plan)
+    return None if best is plan else (best.name, _facts(best)["efficiency"])
 
 
 MOST_SENTENCES = 6  # that a reader takes in
@@ -75,17 +84,18 @@ def _kinds(plans: Sequence[Made], plan: Made | None) -> list[tuple[str, str]]:
 
 
 OFFSET = "f_q0_"  # of a parameter, with the number of its channel behind
+_UNITS = (
+    ("m", "kg"), ("[xyz]C", "m"), ("IC..|k", "kg m^2"), ("[dh]", "kg m"), ("k0|K1_.*", "N/m"), ("k1", "N m/m"),
+    ("k2|K4_.*", "N"), ("k3", "N m"), ("K3_.*", "N s^2/m"),
+)  # fmt: skip
+"""Names of physical parameters, and their SI units: the model would say them, but takes long to be built."""
 
 
 def _unit(name: str, moments: bool = False) -> str:
     """The SI unit of a physical parameter, by its letters; `moments`: whether channels 4 to 6 are moments."""
-    if name == "m":
-        return "kg"
-    if name in ("xC", "yC", "zC"):
-        return "m"
     if name.startswith(OFFSET):
         return "N m" if moments and int(name.removeprefix(OFFSET)) > 3 else "N"
-    return "kg m^2" if name.startswith("IC") else ""
+    return next((unit for names, unit in _UNITS if re.fullmatch(names, name)), "")
 
 
 def _deviation(unit: str, value: object) -> str:
@@ -101,10 +111,12 @@ def _predicted(context: Context, plans: Sequence[Made]) -> dict[str, Any]:
     stds = [plan.record.get("predicted_std") or {} for plan in plans]
     names = list(dict.fromkeys(name for std in stds for name in std))
     units = {name: _unit(name, moments) for name in names}
-    rows = [
-        (context.words.parameter(name), legible(unit)[1], [_deviation(unit, std.get(name)) for std in stds])
-        for name, unit in units.items()
-    ]
+    rows = []
+    for name, unit in units.items():
+        known = [float(std[name]) if isinstance(std.get(name), int | float) else math.inf for std in stds]
+        least = min(known) if len(known) > 1 and max(known) > min(known) else -1.0
+        cells = [(_deviation(unit, std.get(name)), own == least) for std, own in zip(stds, known, strict=True)]
+        rows.append((context.words.parameter(name), legible(unit)[1], cells))
     return {"heads": [plan.name for plan in plans], "rows": rows}
 
 

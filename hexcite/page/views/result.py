@@ -10,11 +10,11 @@ from markupsafe import Markup
 from cases.base.errors import HexciteError
 from cases.base.phrases import said
 from hexcite.page.actions.common import Context
-from hexcite.page.actions.data import RUN_FILE, remedies_of
+from hexcite.page.actions.data import remedies_of
 from hexcite.page.actions.result import REFERENCES
 from hexcite.page.actions.stated import LIMITS
 from hexcite.page.stages import Made, Workspace, case_of
-from hexcite.page.views.common import Query, beginning, chosen, parameter, remedies
+from hexcite.page.views.common import Query, beginning, chosen, parameter, recording_in, remedies
 from hexcite.page.words import Words
 from identification.finding import ABOUT_THE_RUN
 from identification.results.agreement import Difference, differences
@@ -46,7 +46,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "other": _beside(context, result, there.results, query.get("other")),
         "recordings": there.recordings,
         **_payload(context, result),
-        "again": about["recording"].name if about["recording"].name in names else "",
+        "again": about["recording"] if about["recording"] in names else "",
     }
 
 
@@ -248,14 +248,13 @@ def outcome(words: Words, result: Made) -> dict[str, Any]:
     first = next(iter(doubts or warnings), None)
     unseen = next((f for f in findings if _entries(f)), None)
     run = record.get("run") or {}
-    recording = Path(str(record.get("recording", "")))
     return {
         "light": "doubt" if doubts else "counted" if warnings else "good",
         "first": "" if first is None else _finding(words, first),
         "more": [_finding(words, f) for f in findings if f is not first and f is not unseen],
         "unseen": None if unseen is None else _unseen(words, _entries(unseen), record.get("parameters", {})),
         "simulated": bool(run.get("simulated")),
-        "recording": recording.parent if recording.name == RUN_FILE else recording,
+        "recording": recording_in(record),
         "parameters": [parameter(words, name, value) for name, value in record.get("parameters", {}).items()],
         "not_counted": ", ".join(words.cause(str(each)) for each in record.get("not_counted") or ()),
     }

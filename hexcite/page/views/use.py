@@ -60,7 +60,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "chosen": result,
         "outcome": about,
         "failed": [] if result is None else failed_checks(context, result),
-        "again": about["recording"].name if about is not None and about["recording"].name in recorded else "",
+        "again": about["recording"] if about is not None and about["recording"] in recorded else "",
         "targets": [
             (target, context.words.target(target, SINGLE_FILES[target].what if target in SINGLE_FILES else "C99"))
             for target in TARGETS

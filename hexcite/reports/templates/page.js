@@ -147,7 +147,7 @@ function playerOf(div) {
 
   const label = () => {
     instant.textContent = scene.steps ? `${words.pose} ${wanted + 1} ${words.of} ${t.length}`
-      : `${t[wanted].toFixed(2)} ${words.of} ${t[t.length - 1].toFixed(2)} s`;
+      : `${t[wanted].toFixed(2)} ${words.of} ${t[t.length - 1].toFixed(2)} s`.replaceAll(".", words.decimal ?? ".");
     slider.value = String(wanted);
     light();
   };

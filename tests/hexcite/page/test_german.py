@@ -147,7 +147,7 @@ def test_all_stages_speak_german(answered: TestClient):
             found[place] = english
     assert found == {}
     data = answered.get("/m/+mill/data?recording=trace.csv").text
-    assert "ihre Beschriftung" in data or "keine Einheit angegeben" in data
+    assert "ihre Beschriftung" in data or "nicht angegeben" in data
     result = answered.get("/m/+mill/result").text
     assert "Masse (m)" in result
     assert "Zeichnung" in result

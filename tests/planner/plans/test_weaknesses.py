@@ -87,7 +87,7 @@ def test_only_the_best_refined_start_need_have_converged(found: PlannedMotion, s
 def test_a_motion_that_was_drawn_back(share: float, told: bool, found: PlannedMotion, start: Start, said: Said):
     weak = said(found._replace(starts=(replace(start, shrunk=share),)))
     assert len(weak) == told
-    assert not told or f"{100 * share:.0f} % of its ways" in weak[0]
+    assert not told or f"{100 * share:.0f} % of its displacements" in weak[0]
 
 
 @pytest.mark.parametrize(
