@@ -1,5 +1,6 @@
 """What of a case an artefact was computed from: saved in the artefact, compared when the artefact is used again."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -116,8 +117,6 @@ def changes_since(about: Mapping[str, Any], now: Mapping[str, Any], case_hash: s
     if not isinstance(then, Mapping):
         unnamed = phrase("something_changed", "something (it says no more than a fingerprint)")
         return [] if about.get("case_hash") == case_hash else [unnamed]
-    # Of a list of tables that an artefact does not depend on nothing is saved.
-    names = [name for name in dict.fromkeys((*then, *now)) if then.get(name) != now.get(name)]
     return [
         phrase(
             "was_is",
@@ -126,8 +125,32 @@ def changes_since(about: Mapping[str, Any], now: Mapping[str, Any], case_hash: s
             before=_shown(then.get(name)),
             now=_shown(now.get(name)),
         )
-        for name in names
+        for name in differing(then, now)
     ]
+
+
+def differing(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Dotted keys of values that count and are not the same.
+
+    How recordings are written does not count where `now` names the columns of another recorder's files: what was read
+    from a file of the one stays what it is.
+    """
+    # Of a list of tables that an artefact does not depend on nothing is saved.
+    names = [name for name in dict.fromkeys((*then, *now)) if then.get(name) != now.get(name)]
+    one, other = _columns(then), _columns(now)
+    if (one or other) and 2 * len(one & other) < max(1, min(len(one), len(other))):
+        names = [name for name in names if not name.startswith("recording.") or name.startswith(_OF_THE_RUN)]
+    return names
+
+
+_OF_THE_RUN = ("recording.filter_cutoff_Hz", "recording.drives", "recording.accelerometer")
+"""Keys of `[recording]` that say something of the machine or the evaluation, and not how a file is written."""
+_COLUMN = re.compile(r"recording(\.files\[\d+\])?\.(columns\..+|trigger\.column)")
+
+
+def _columns(values_by_key: Mapping[str, Any]) -> set[Any]:
+    """Names of columns of files among values of a case."""
+    return {value for name, value in values_by_key.items() if _COLUMN.fullmatch(name)}
 
 
 def require_unchanged(

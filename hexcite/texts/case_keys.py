@@ -433,9 +433,9 @@ KEYS: dict[str, str] = {
         "nur der Beweis des Programms sichert die Grenzen."
     ),
     "LinuxCnc.planner": (
-        "`[TRAJ]PLANNER_TYPE` der Maschine: `trapezoidal` (0, das aller Versionen) oder `s_curve` (1, ab 2.10), "
-        "der den Ruck entlang der Bahn begrenzt und, durch `MAX_JERK` in `[AXIS_a]`, den jeder Achse. Programme dafür "
-        "sind gerade Bewegungen von Ruhe zu Ruhe; keines wurde darauf erprobt."
+        "`[TRAJ]PLANNER_TYPE` der Maschine: `trapezoidal` (0, das aller Versionen) oder `s_curve` (1, ab Version "
+        "2.10), der den Ruck entlang der Bahn begrenzt und, durch `MAX_JERK` in `[AXIS_a]`, den jeder Achse. "
+        "Programme dafür sind gerade Bewegungen von Ruhe zu Ruhe; keines wurde darauf erprobt."
     ),
     "SinumerikAxes.program_name": (
         "Interner Name: 2 bis 24 Großbuchstaben, Ziffern und Unterstriche; beginnt mit zwei Buchstaben oder `_` "

@@ -5,7 +5,6 @@ a key and "=", in brackets of a list or in quotation marks is typed, or read by 
 """
 
 import re
-from html import escape, unescape
 
 _NUMBER = r"\d+\.\d+(?:e[-+]?\d+)?(?!\w|[.-]\w)"
 _NUMBERS = rf"(?:\d+, [-+\u2212]?)*{_NUMBER}(?:, [-+\u2212]?(?:{_NUMBER}|\d+(?![.\w])))*"
@@ -14,7 +13,7 @@ _TYPED = "|".join(
     (
         rf"[a-z][\w\[\]]*[._][\w.\[\]]* ?= ?{_VALUE}(?: auf [\d.]+)?",  # a key of a case with its value
         r"\[[^\[\]]*\]|\{[^{}]*\}",  # a list or a table, as files have them
-        r"'[^']*'|`[^`]*`",
+        r"'[^']*'|`[^`]*`|&#39;(?:(?!&#39;).)*&#39;|&#?\w+;",  # quoted, also as HTML has it
         r"--[a-z-]+[ =]\S+",
         r"(?:Version|LinuxCNC) \d[\w.]*",
         r"[^\W\d][\w.:/-]*",  # a word, or a name with digits in it
@@ -28,7 +27,7 @@ _PART = re.compile(
     r"|<[^<>]*>",
     re.DOTALL,
 )
-_SPOKEN = re.compile(r' (aria-label|title|alt)="([^"]*)"')
+_SPOKEN = re.compile(r'(?<= aria-label=")[^"]*|(?<= title=")[^"]*|(?<= alt=")[^"]*')
 
 
 def with_commas(text: str) -> str:
@@ -38,6 +37,9 @@ def with_commas(text: str) -> str:
     '558,74 mm, 1,0 von 2,5; recording.clock.period_ms = 0.5'
     >>> with_commas("0.5, -1, 2.25 mm")
     '0,5; -1; 2,25 mm'
+
+    Args:
+        text: plain, or as HTML has it.
     """
     return _TEXT.sub(_with_comma, text) if "." in text else text
 
@@ -50,14 +52,7 @@ def page_with_commas(page: str) -> str:
     """A German page with decimal commas in what it says: texts, and labels of screen readers and tooltips."""
     parts, end = [], 0
     for kept in _PART.finditer(page):
-        parts += [_said(page[end : kept.start()]), _SPOKEN.sub(_label, kept[0]) if kept.lastindex is None else kept[0]]
+        tag = kept[0] if kept.lastindex else _SPOKEN.sub(lambda label: with_commas(label[0]), kept[0])
+        parts += [with_commas(page[end : kept.start()]), tag]
         end = kept.end()
-    return "".join([*parts, _said(page[end:])])
-
-
-def _said(text: str) -> str:
-    return escape(with_commas(unescape(text)), quote=False) if "&" in text else with_commas(text)
-
-
-def _label(label: re.Match[str]) -> str:
-    return f' {label[1]}="{escape(with_commas(unescape(label[2])))}"'
+    return "".join([*parts, with_commas(page[end:])])

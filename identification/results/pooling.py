@@ -18,6 +18,7 @@ from cases.base.errors import Code, FileProblem, HexciteError, option
 from cases.base.phrases import Phrase, phrase
 from cases.base.provenance import provenance
 from cases.base.units import Array
+from cases.basis import differing
 from identification.estimation.covariances import Free, larger_of
 from identification.estimation.fit import Value
 from identification.finding import Finding, Kind, note, warning
@@ -151,6 +152,7 @@ def require_alike(results: Sequence[Result]) -> None:
 
 
 NONE = phrase("none_stated", "none")
+NOT_STATED = phrase("not_stated", "not stated")
 
 
 def _differs(what: str, here: object, source: str, there: object) -> Phrase:
@@ -179,15 +181,14 @@ def _require_like(result: Result, first: Result) -> None:
             code=Code.OTHER_SOURCE,
         )
     then, now = base.computed_from or {}, record.computed_from or {}
-    for key in dict.fromkeys((*then, *now)):
-        if then.get(key) != now.get(key):
-            there, here = ("not stated" if of.get(key) is None else of[key] for of in (then, now))
-            raise FileProblem(
-                place=result.source,
-                problem=_differs(key, here, first.source, there),
-                remedy=again,
-                code=Code.OTHER_SOURCE,
-            )
+    for key in differing(then, now):
+        there, here = (NOT_STATED if of.get(key) is None else of[key] for of in (then, now))
+        raise FileProblem(
+            place=result.source,
+            problem=_differs(key, here, first.source, there),
+            remedy=again,
+            code=Code.OTHER_SOURCE,
+        )
     for what in ("model", "known", "dropped", "weights"):
         there, here = getattr(base, what), getattr(record, what)
         if (there or None) != (here or None):

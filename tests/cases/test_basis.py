@@ -89,3 +89,36 @@ def test_the_case_is_found_by_what_the_artefact_says() -> None:
         case_of(file, {}, "identify again")
     with pytest.raises(CaseError, match=r"gone\.toml: no such case.*with case"):
         case_of(file, {"case_file": "/gone.toml"}, "identify again")
+
+
+FIRST = {f"f{k}_N": f"Force{k}" for k in range(1, 7)}
+
+
+def recorded(columns: dict[str, str], unit: str, cutoff: float = 20.0) -> dict[str, Any]:
+    """Values behind a result of a run whose files have these columns."""
+    table = {"columns": columns, "units": {"forces": unit}, "filter_cutoff_Hz": cutoff}
+    return result_basis(edited("recording", table))
+
+
+@pytest.mark.parametrize(
+    ("columns", "unit", "cutoff", "changed"),
+    [
+        (FIRST, "N", 20.0, {"recording.units.forces"}),  # files of the same recorder were read wrongly
+        (
+            FIRST | {"f1_N": "Force2", "f2_N": "Force1"},
+            "kN",
+            20.0,
+            {"recording.columns.f1_N", "recording.columns.f2_N"},
+        ),
+        (FIRST | {"f1_N": "Kraft1"}, "kN", 20.0, {"recording.columns.f1_N"}),
+        ({name: f"Kraft{k}" for k, name in enumerate(FIRST)}, "N", 20.0, set()),  # those of another recorder
+        ({}, "N", 20.0, set()),
+        ({name: f"Kraft{k}" for k, name in enumerate(FIRST)}, "N", 10.0, {"recording.filter_cutoff_Hz"}),
+    ],
+)
+def test_how_files_of_another_recorder_are_read_makes_no_result_stale(
+    columns: dict[str, str], unit: str, cutoff: float, changed: set[str]
+):
+    about = {COMPUTED_FROM: recorded(FIRST, "kN")}
+    changes = changes_since(about, recorded(columns, unit, cutoff), "")
+    assert {change.partition(" was ")[0] for change in changes} == changed

@@ -75,12 +75,11 @@ def job(job: Job, language: Language) -> dict[str, Any]:
     words, failed = Words(language), job.state == "failed"
     refused = words.error(job.refused) if failed else None
     drawn: Markup = drawing.curve(job.progress, job.seconds, text("best_curve", language)) if job.search else Markup("")
+    ended = job.state in ("failed", "stopped", "killed")
     return {
         "line": "" if job.over else words.progress(last) if last is not None else _patience(job, words),
         "curve": drawn,
-        "messages": [m for m in job.messages[-8:] if m != ENDED]
-        if job.state in ("failed", "stopped", "killed")
-        else [],
+        "messages": [each for each in job.messages[-8:] if each != ENDED] if ended else [],
         "refused": refused,
         "refusal": words.refusal(str(job.refused.get("code"))) if failed and refused is None else "",
         "warnings": job.messages[-8:] if job.state == "done" else [],
