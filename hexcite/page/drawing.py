@@ -123,7 +123,7 @@ def _svg(width: float, height: float, kind: str, inner: Markup) -> Markup:
 
 
 def curve(progress: Sequence[Mapping[str, Any]], seconds: float, words: str) -> Markup:
-    """The best motion of a search over time, as steps; empty where it has not improved yet.
+    """The best motion of a search over time, as steps; empty where there is none yet.
 
     Args:
         progress: where the search stood, each with `best` and `at` [s].
@@ -131,7 +131,7 @@ def curve(progress: Sequence[Mapping[str, Any]], seconds: float, words: str) -> 
         words: what is drawn, for the label.
     """
     points = [(float(p["at"]), float(p["best"])) for p in progress if p.get("best") is not None]
-    if len({best for _, best in points}) < 2:  # a flat line says no more than its number
+    if not points:
         return Markup("")
     low, high = min(b for _, b in points), max(b for _, b in points)
     low, high = (min(low, 0.0), max(high, 1e-9)) if low > 0.0 else (low, high + 1e-9)

@@ -15,7 +15,7 @@ class Recipe(NamedTuple):
     steps: tuple[str, ...]  # keys of texts, each with the places below
     places: dict[str, str]
     commands: str  # to type or paste; empty where all is done by hand
-    channels: tuple[str, ...]  # as the case's file has them, the trigger last
+    channels: tuple[str, ...]  # the trigger last; in brackets names that the case has of the last recorder
 
 
 def recipe(case: Case, dialect: str, name: str, seconds: float) -> Recipe:
@@ -28,7 +28,10 @@ def recipe(case: Case, dialect: str, name: str, seconds: float) -> Recipe:
     rate = max(LEAST_RATE, case.recording.rate_Hz or 0.0)
     positions = tuple(f"l{k}_mm" for k in range(1, 7)) if case.chain is None else case.chain.columns
     ours = (*positions, *case.sensor_frame.channels, *(() if dialect == "ros2" else (TRIGGER,)))
-    channels = tuple(case.recording.file_name(column) for column in ours)
+    channels = tuple(
+        column if (name_there := case.recording.file_name(column)) == column else f"{column} ({name_there})"
+        for column in ours
+    )
     samples = f"{rate * (seconds + AROUND):.0f}"
     places = {"rate": f"{rate:g}", "seconds": f"{seconds + AROUND:.0f}", "file": f"{name}.csv", "trigger": ""}
     commands = ""

@@ -16,6 +16,7 @@ from hexcite.texts import answers as german
 from hexcite.texts.by_code import at_place, limit, parameter, place_words, sentence
 from hexcite.texts.case_keys import KEYS, NOUNS, TABLES
 from hexcite.texts.decimals import page_with_commas
+from identification.limits.limit import LimitKind
 from identification.recording.formats.reasons import Why
 from identification.texts import begun, parameter_words
 
@@ -63,6 +64,7 @@ class Words:
     def limit(self, name: str, place: str = "") -> str:
         """A limit by its name, with the strut, joint or body that comes closest."""
         if self._own:
+            name = "nearness to a singularity" if name == LimitKind.SINGULARITY else name
             return f"{name} ({place})" if place else name
         return limit(name, place)
 

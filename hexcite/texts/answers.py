@@ -17,7 +17,7 @@ LIMITS = {
     "strut acceleration": "Strebenbeschleunigung",
     "base joint angle": "Winkel am Basisgelenk",
     "platform joint angle": "Winkel am Plattformgelenk",
-    "singularity": "Singularität",
+    "singularity": "Nähe zu einer Singularität",
     "distance from": "Abstand von",
     "distance between links": "Abstand zwischen Gliedern",
     "joint force": "Gelenkkraft",

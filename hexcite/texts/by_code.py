@@ -42,6 +42,7 @@ def place_words(place: str) -> str:
     """A strut, joint or sensor with its number, or the name of a body."""
     first, blank, rest = place.partition(" ")
     where = _PAYLOADS.sub(lambda count: f"{count[1]} Nutzlast{'en' if count[2] else ''}", rest)
+    where = where.replace(" at most", " höchstens")
     return f"{answers.PLACES.get(first, first)}{blank}{where}"
 
 

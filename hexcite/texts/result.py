@@ -11,8 +11,8 @@ TEXTS: dict[str, tuple[str, str]] = {
     "unseen_worst": (
         "Errors of the machine or the recorder that half of all runs like this one would not show, of this size; the "
         "worst for a value:",
-        "Fehler von Maschine oder Rekorder, die in dieser Größe die Hälfte aller solchen Läufe nicht zeigte; der "
-        "schlimmste für einen Wert:",
+        "Fehler von Maschine oder Rekorder, die in dieser Größe die Hälfte aller solchen Läufe nicht zeigte; am "
+        "schlimmsten für einen Wert bei",
     ),
     "unseen_note": (
         "U does not count them, for no data of this run tell whether they are there: it counts what [tolerances] of "

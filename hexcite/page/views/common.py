@@ -94,7 +94,7 @@ def remedies(offered: Sequence[Remedy]) -> list[dict[str, Any]]:
 
 def parameter(words: Words, name: str, value: Mapping[str, Any]) -> tuple[str, str, str, str, str]:
     """A parameter in words, its value, its deviation, its expanded uncertainty (k = 2) and its unit."""
-    scale, unit = legible(str(value.get("unit", "")))
+    scale, unit = unit_shown(str(value.get("unit", "")))
     std = max((float(value[key]) for key in ("std", "std_robust") if value.get(key) is not None), default=math.nan)
     if not math.isfinite(std) or std <= 0.0:
         return words.parameter(name), f"{float(value['value']) * scale:.6g}", "", "", unit
@@ -103,6 +103,12 @@ def parameter(words: Words, name: str, value: Mapping[str, Any]) -> tuple[str, s
 
     expanded = std_text(COVERAGE_FACTOR * std * scale)
     return words.parameter(name), digits, std_text(std * scale), expanded, unit
+
+
+def unit_shown(unit: str) -> tuple[float, str]:
+    """Factor from a SI unit to the one that pages show, and its sign."""
+    scale, sign = legible(unit)
+    return scale, sign.replace("^2", "²")
 
 
 def _line(write: Write) -> str:

@@ -13,7 +13,7 @@ from cases.schema import load_case
 from hexcite.page.actions.common import Context
 from hexcite.page.forms import BY_HAND, EFFORTS, FAMILIES
 from hexcite.page.stages import Made, Workspace, workspace
-from hexcite.page.views.common import Query, best_alike, chosen_plan, limits
+from hexcite.page.views.common import Query, best_alike, chosen_plan, limits, unit_shown
 from hexcite.page.words import Words
 from hexcite.reports.page import script_json
 from identification.texts import legible, std_text
@@ -116,7 +116,7 @@ def _predicted(context: Context, plans: Sequence[Made]) -> dict[str, Any]:
         known = [float(std[name]) if isinstance(std.get(name), int | float) else math.inf for std in stds]
         least = min(known) if len(known) > 1 and max(known) > min(known) else -1.0
         cells = [(_deviation(unit, std.get(name)), own == least) for std, own in zip(stds, known, strict=True)]
-        rows.append((context.words.parameter(name), legible(unit)[1], cells))
+        rows.append((context.words.parameter(name), unit_shown(unit)[1], cells))
     return {"heads": [plan.name for plan in plans], "rows": rows}
 
 
