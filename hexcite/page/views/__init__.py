@@ -1,5 +1,6 @@
 """What each stage shows: plain values for its template, read from the folders."""
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -61,6 +62,8 @@ def warm_up() -> Iterator[None]:
 
 
 ENDED = "interrupted; nothing was written"  # which the state of the panel says
+# a way that the page does not have; it has a button that identifies again
+_WITH_STALE = re.compile(", or go on at your own risk with --stale|, oder auf eigene Gefahr mit --stale weitermachen")
 QUIET = 8.0  # [s] after which an identification says what it may be busy with
 
 
@@ -79,8 +82,8 @@ def job(job: Job, language: Language) -> dict[str, Any]:
     return {
         "line": "" if job.over else words.progress(last) if last is not None else _patience(job, words),
         "curve": drawn,
-        "messages": [each for each in job.messages[-8:] if each != ENDED] if ended else [],
-        "refused": refused,
+        "messages": [_WITH_STALE.sub("", each) for each in job.messages[-8:] if each != ENDED] if ended else [],
+        "refused": None if refused is None else Markup(_WITH_STALE.sub("", refused)),
         "refusal": words.refusal(str(job.refused.get("code"))) if failed and refused is None else "",
         "warnings": job.messages[-8:] if job.state == "done" else [],
     }

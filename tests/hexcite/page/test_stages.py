@@ -13,6 +13,8 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
+from cases.base.errors import Code, FileProblem, option
+from cases.base.phrases import phrase
 from cases.basis import COMPUTED_FROM, plan_basis, result_basis
 from cases.editing import write_table
 from cases.recording_format import Role
@@ -22,11 +24,15 @@ from hexcite.page import forms
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.table import ACTIONS, asked
 from hexcite.page.jobs import Job, Jobs
+from hexcite.page.journal import Journal
 from hexcite.page.reading import chosen_settings
 from hexcite.page.refusals import Unfit
 from hexcite.page.stages import MARK, Workspace, free, machine_of, own_machines, workspace
+from hexcite.page.views import job as job_view
 from hexcite.page.views.common import chosen_plan
+from hexcite.page.views.data import shown as data_view
 from hexcite.page.words import ENGLISH
+from hexcite.texts import LANGUAGES
 from identification.motion.motion import Standstill
 from postprocessors.blocks import ToHome, Trigger
 
@@ -564,3 +570,89 @@ def test_a_proposal_that_is_taken_says_which_kept_units_it_changes(root: Path, c
     assert '"kN"' in said
     assert "F1" not in said
     assert job.notes[-1] == ""  # no earlier file was kept
+
+
+def planned(root: Path, case: Case, name: str, efficiency: float, seconds: float, asked: float, for_: str = "") -> None:
+    """A plan that was written some seconds after the epoch, and asked for as long."""
+    file = plan_folder(root, case, name) / "plan.json"
+    about = {"d_efficiency": efficiency, "asked": {"duration_s": asked}, "settings": {"made_for": for_}}
+    file.write_text(json.dumps(json.loads(file.read_text()) | about))
+    os.utime(file, (seconds, seconds))
+
+
+def test_of_equal_searches_the_best_is_chosen_and_of_others_the_newest(root: Path, case: Case, client: TestClient):
+    planned(root, case, "best", 0.446, 10.0, 12.0)
+    planned(root, case, "second", 0.259, 20.0, 12.0)
+    planned(root, case, "longer", 0.9, 5.0, 30.0)  # not asked for alike, as the next one
+    planned(root, case, "lathe", 0.8, 6.0, 12.0, "sinumerik")
+    plans = there(root).plans
+    assert chosen_plan(plans, None).name == "best"
+    assert chosen_plan(plans, "second").name == "second"
+    assert 'plan?plan=best">best</a>' in client.get("/m/+mill/plan?plan=second").text
+    assert 'plan?plan=best">best</a>' not in client.get("/m/+mill/plan").text
+    planned(root, case, "newest", 0.1, 40.0, 6.0)
+    assert chosen_plan(there(root).plans, None).name == "newest"
+
+
+def test_the_seed_of_a_search_is_a_field(root: Path, case: Case):
+    machine = machine_of(root, "+mill")
+    assert machine is not None
+    fields = {"duration": ["12"], "effort": ["quick"]}
+    command = forms.plan(machine, fields | {"seed": ["7"]}, "out")
+    assert command[command.index("--seed") + 1] == "7"
+    assert "--seed" not in forms.plan(machine, fields, "out")
+    for text in ("1.5", "-1", "x"):
+        with pytest.raises(Unfit):
+            forms.plan(machine, fields | {"seed": [text]}, "out")
+
+
+def test_each_recording_says_what_came_of_it(root: Path, case: Case, client: TestClient):
+    for name in ("read.csv", "unread.csv", "refused.csv", "known.csv", "new.csv"):
+        (root / name).write_text("t_s,l1_mm\n0,1\n")
+    journal = Journal(root)
+    answers: dict[str, tuple[str, str, dict[str, Any] | None]] = {
+        "read.csv": ("look", "done", {"reads": True}),
+        "unread.csv": ("look", "failed", {"reads": False}),
+        "refused.csv": ("identify", "failed", None),
+    }
+    for number, (name, (command, state, answer)) in enumerate(answers.items(), 1):
+        job = Job("+mill", "data", (command, name), about=name, number=number, state=state)  # type: ignore[arg-type]
+        job.ended, job.finished, job.answer = job.began, 1.0, answer
+        journal.write(f"{number}-1-1", job.record)
+    (root / "known").mkdir()
+    record = {"case": case.name, "case_hash": case.hash, COMPUTED_FROM: result_basis(case), "recording": "known.csv"}
+    (root / "known" / "result.json").write_text(json.dumps(record))
+    context = Context(root, machine_of(root, "+mill"), Jobs(root))  # type: ignore[arg-type]
+    view = data_view(context, there(root), {})
+    come_to = {"read.csv": "read", "unread.csv": "unread", "refused.csv": "refused", "known.csv": "identified"}
+    assert view["come_to"] == come_to
+    page = client.get("/m/+mill/data").text
+    assert ENGLISH.say("recording_identified") in page
+
+
+def test_only_programs_for_linuxcnc_are_rehearsed_on_it(root: Path, case: Case):
+    fingerprint = there(root).plans[0].fingerprint if plan_folder(root, case) else ""
+    for suffix in (".mpf", ".ngc"):
+        (root / f"run{suffix}").write_text(f"; plan hash {fingerprint[:16]}\nG1 X0\n")
+    context = Context(root, machine_of(root, "+mill"), Looked({}))  # type: ignore[arg-type]
+    with pytest.raises(Unfit, match="LinuxCNC"):
+        asked(ACTIONS["rehearse"], context, {"program": ["run.mpf"], "on": ["linuxcnc"]})
+    job = asked(ACTIONS["rehearse"], context, {"program": ["run.ngc"], "on": ["linuxcnc"]})
+    assert "linuxcnc" in job.command
+
+
+def test_a_refused_export_names_no_way_that_the_page_does_not_have():
+    problem = FileProblem(
+        place="res",
+        problem="is old",
+        remedy=phrase(
+            "again_or_stale", "{again}, or {other}, or go on at your own risk with {stale}",
+            again="identify", other="restore", stale=option("stale"),
+        ),
+        code=Code.STALE,
+    )  # fmt: skip
+    job = Job("+mill", "use", ("export", "res"), state="failed")
+    job.messages, job.refused = [problem.typed], problem.to_json()
+    for language in LANGUAGES:
+        assert "--stale" not in str(job_view(job, language))
+        assert "restore" in str(job_view(job, language))
