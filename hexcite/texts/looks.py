@@ -14,7 +14,8 @@ LOOKS = {
     "other_joint_count": "{columns} sehen aus wie Positionen von {count} Gelenken, die Maschine hat {own}",
     "joints_or_drives": "{columns} können Gelenke oder Antriebe sein; die Maschine mit --case nennen",
     "not_readings": "{columns}: keine Anzeigen des Sensors, sondern {what}; {remedy}",
-    "names_of_case": "recording.columns der Maschine nennt {theirs}, das die Datei nicht hat",
+    "names_of_case": "die Maschine war für andere Dateien: recording.columns nennt {theirs}, was diese Datei nicht "
+    "hat; der Vorschlag nimmt ihre eigenen Namen",
     "taken_for_clock": "{name} gilt als Uhr; auch {others} läuft weiter",
     "time_by_name": "{which}: dem Namen nach eine Zeit, aber keine Zahl, die mit den Zeilen weiterläuft",
     "counts_rows": "{name} zählt die Zeilen, das ist keine Zeit: recording.clock.period_ms angeben",

@@ -1,13 +1,17 @@
 """Actions of the stage Data: a rehearsal, how a file is read, remedies by keys, identification."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from pydantic import ValidationError
+
 from cases.base.errors import HexciteError, Remedy, Write
 from cases.base.text_formats import toml_value
 from cases.editing import placed, write_keys, write_table
+from cases.recording_format import RecordingFormat
 from hexcite.page import forms, reading
 from hexcite.page.actions.common import Action, Context, job_of, recording_of, result_of
 from hexcite.page.forms import Fields, chosen, field
@@ -65,10 +69,27 @@ def _take(context: Context, there: Workspace, fields: Fields) -> Job:
 
 def _looked(context: Context, recording: str) -> Mapping[str, Any]:
     """What the latest look at a recording answered, by the case as it is now."""
-    look_job = context.jobs.latest(context.machine.key, "look", recording)
-    if look_job is None or look_job.answer is None or look_job.finished < context.machine.file.stat().st_mtime:
+    answer = looked_at(context, recording)
+    if answer is None:
         raise Unfit("look_at_it_first", recording=recording)
-    return look_job.answer
+    return answer
+
+
+def looked_at(context: Context, recording: str) -> Mapping[str, Any] | None:
+    """What the latest look at a recording answered, where that still holds; None where one has to look again.
+
+    It holds for the case that it was asked of, and for one that states what it proposed.
+    """
+    look_job = context.jobs.latest(context.machine.key, "look", recording)
+    if look_job is None or look_job.answer is None:
+        return None
+    if look_job.finished >= context.machine.file.stat().st_mtime:
+        return look_job.answer
+    case, settings = context.machine.case, look_job.answer.get("settings")
+    with suppress(ValidationError):
+        if case is not None and settings and case.recording == RecordingFormat.model_validate(settings):
+            return {**look_job.answer, "unchanged": True, "changes": []}
+    return None
 
 
 def _menus(context: Context, there: Workspace, fields: Fields) -> Job:

@@ -5,11 +5,10 @@ from typing import Any
 
 from hexcite.page import reading
 from hexcite.page.actions.common import Context
-from hexcite.page.actions.data import for_linuxcnc, remedies_of
+from hexcite.page.actions.data import for_linuxcnc, looked_at, remedies_of
 from hexcite.page.forms import ini_in
-from hexcite.page.jobs import Job
 from hexcite.page.machine_inis import inis
-from hexcite.page.stages import RECORDINGS, Machine, Recording, Workspace, is_program
+from hexcite.page.stages import RECORDINGS, Recording, Workspace, is_program
 from hexcite.page.views.common import Query, chosen, recording_in, remedies
 
 
@@ -18,8 +17,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     from postprocessors.controllers.linuxcnc.session import linuxcnc_missing
 
     recording: Recording | None = chosen(there.recordings, query.get("recording"))
-    look_job = context.jobs.latest(context.machine.key, "look", recording.name) if recording is not None else None
-    answer = look_job.answer if look_job is not None and look_job.over and _since(look_job, context.machine) else None
+    answer = looked_at(context, recording.name) if recording is not None else None
     refused = context.jobs.latest(context.machine.key, "identify", recording.name) if recording is not None else None
     stated = remedies_of(refused.answer) if refused is not None and refused.state == "failed" else []
     picture = f"{Path(recording.name).stem}-look.svg" if recording is not None else ""
@@ -62,8 +60,3 @@ def _inis(context: Context, there: Workspace) -> dict[str, Any]:
     written = [context.jobs.latest(context.machine.key, "post", program.plan) for program in there.programs[:1]]
     used = next((ini_in(job.command) for job in written if job is not None), "")
     return {"inis": inis(context.root), "ini": used}
-
-
-def _since(looked: Job, machine: Machine) -> bool:
-    """Whether the case is still the one that a file was looked at with."""
-    return looked.finished >= machine.file.stat().st_mtime

@@ -125,7 +125,8 @@ class _Draft:
             self.doubts.append(
                 phrase(
                     "names_of_case",
-                    "recording.columns of the case names {theirs}, which the file does not have",
+                    "the case was for files of another kind: recording.columns names {theirs}, which the file does not "
+                    "have; the proposal takes its own names",
                     theirs=theirs,
                 )
             )

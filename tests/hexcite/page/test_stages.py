@@ -6,6 +6,7 @@ import math
 import os
 import re
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from cases.scaffold import new_case
 from cases.schema import Case, load_case
 from hexcite.page import forms
 from hexcite.page.actions.common import Context
+from hexcite.page.actions.data import looked_at
 from hexcite.page.actions.table import ACTIONS, asked
 from hexcite.page.jobs import Job, Jobs
 from hexcite.page.journal import Journal
@@ -656,3 +658,20 @@ def test_a_refused_export_names_no_way_that_the_page_does_not_have():
     for language in LANGUAGES:
         assert "--stale" not in str(job_view(job, language))
         assert "restore" in str(job_view(job, language))
+
+
+def test_a_look_holds_where_the_case_states_what_it_proposed(root: Path, case: Case):
+    file = root / "mill" / "case.toml"
+    settings = {"columns": {"f1_N": "F1"}, "filter_cutoff_Hz": 40.0}
+    looked = Looked(settings, finished=0.0)  # before the file was written
+
+    def held() -> Mapping[str, Any] | None:
+        return looked_at(Context(root, machine_of(root, "+mill"), looked), "run.csv")  # type: ignore[arg-type]
+
+    assert held() is None
+    write_table(file, "recording", settings)
+    answer = held()
+    assert answer is not None
+    assert answer["unchanged"]
+    write_table(file, "recording", {"columns": {"f1_N": "G1"}, "filter_cutoff_Hz": 40.0})
+    assert held() is None
