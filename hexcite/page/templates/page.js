@@ -79,7 +79,8 @@ async function upload(files, input) { // several files are one run, in a folder 
     }
     if (run) name = await post("/runs/" + run);
     else if (name !== files[0].name && input.dataset.renamed) {
-      sessionStorage.setItem("renamed", input.dataset.renamed.replace("{file}", files[0].name).replace("{name}", name));
+      const words = input.dataset.renamed.replace("{file}", files[0].name).replace("{name}", name);
+      sessionStorage.setItem("renamed", JSON.stringify({ name, words }));
     }
     if (input.dataset.ask) ask(input.dataset.ask, name);
     else go(/=$|^\/urdf\/$/.test(input.dataset.to) ? input.dataset.to + encodeURIComponent(name) : input.dataset.to);
@@ -111,9 +112,10 @@ async function dropped(transfer) { // files, and those in folders that were drop
   return folders.length ? [...plain.filter((file) => !folders.some((folder) => folder.name === file.name)), ...inside.flat()] : plain;
 }
 
-for (const input of document.querySelectorAll("input.upload[data-renamed]")) { // said once, where the file is
-  input.parentElement.querySelector(".progress").textContent = sessionStorage.getItem("renamed") ?? "";
-  sessionStorage.removeItem("renamed");
+for (const input of document.querySelectorAll("input.upload[data-renamed]")) { // said where the file is
+  const renamed = JSON.parse(sessionStorage.getItem("renamed") ?? "null");
+  if (renamed?.name !== new URLSearchParams(location.search).get("recording")) continue;
+  input.parentElement.querySelector(".progress").textContent = renamed.words;
 }
 
 for (const list of document.querySelectorAll("[data-ticks]")) { // what was done at the machine stays ticked
