@@ -115,8 +115,9 @@ def largest_distance(points: Array, path: Array) -> float:
     """Largest distance of points, shape (n, 3), from the lines that join the points of a path, shape (m, 3)."""
     from scipy.spatial import cKDTree  # loads slowly, and plans that look at a mode do without
 
-    # Where the machine stands or only turns, a query would look at thousands of places that are all as near.
-    path = path[np.r_[True, np.any(np.diff(path, axis=0) != 0.0, axis=1)]]
+    # Where the machine stands or only turns, a query would look at thousands of places that are all as near; splines
+    # leave ways there that are not zero, but whose squares are.
+    path = path[np.r_[True, np.square(np.diff(path, axis=0)).sum(axis=1) > 0.0]]
     if len(path) == 1:
         return float(np.linalg.norm(points - path, axis=1).max())
     starts, ways = path[:-1], np.diff(path, axis=0)

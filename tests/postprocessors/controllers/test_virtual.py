@@ -195,3 +195,11 @@ def test_a_distance_from_a_path_does_not_depend_on_where_its_points_lie(seed: in
         exact = max(exact, np.linalg.norm(point - corners[:-1] - shares[:, None] * ways, axis=1).min())
     assert largest_distance(aside, path) == pytest.approx(exact, rel=1e-9)
     assert largest_distance(aside[:1], path[:1].repeat(3, axis=0)) == pytest.approx(np.linalg.norm(aside[0] - path[0]))
+
+
+def test_ways_whose_squares_are_zero_do_not_hide_how_far_a_run_is_from_its_path() -> None:
+    """Splines through points that stand leave ways of 1e-170 m there."""
+    path = np.zeros((600, 3))
+    path[:300, 0] = np.sin(np.linspace(0.0, np.pi, 300))
+    path[300:, 0], path[300:, 1] = path[299, 0], 1e-170 * np.arange(300)
+    assert largest_distance(path + np.array([0.0, 0.0, 1e-3]), path) == pytest.approx(1e-3)
