@@ -58,11 +58,11 @@ def write(
     Args:
         plan: a motion or poses.
         OPTIONS
-        file: name of the program, for messages.
+        file: name of the program; its suffix is one of the dialect's.
         ini: as of `check`.
 
     Raises:
-        FileProblem: the INI file contradicts the case; the message names the line.
+        FileProblem: the suffix is another language's; the INI file contradicts the case, the message names the line.
         ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody
             enforces and that is not accepted.
         HexciteError: the dialect is unknown, or the speed is out of range.
@@ -70,6 +70,14 @@ def write(
     language = language_of(plan, dialect, file)
     require_language(plan.case, language, f"choose another {option('dialect')}:")
     path = Path(f"{plan.name}{language.suffix}" if file is None else file)
+    if path.suffix.lower() not in language.suffixes:
+        raise FileProblem(
+            place=path,
+            problem=f"ends in {path.suffix!r}, by which controllers and check take it for another language than "
+            f"{language.name}",
+            remedy=f"name a file that ends in {' or '.join(language.suffixes)}",
+            code=Code.WRONG_KIND,
+        )
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(
             problem=phrase(

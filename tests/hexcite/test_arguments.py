@@ -12,6 +12,7 @@ import pytest
 
 import hexcite as hx
 from cases.base.doors import door
+from cases.base.errors import Code, FileProblem
 from cases.schema import Case
 
 RECORDING = hx.Recording("run.csv", None, None, None, np.zeros((3, 6)), None)
@@ -134,3 +135,14 @@ def test_what_does_as_well_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 def test_a_function_of_the_library_finds_its_way_to_another_process():
     assert pickle.loads(pickle.dumps(hx.load_case)) is hx.load_case
+
+
+def test_a_program_is_not_named_as_one_of_another_controller(hexapod_case: Case) -> None:
+    """By its suffix a control loads it, and check reads it."""
+    plan = hx.plan_poses(hexapod_case, count=8, candidates=64, model=0)
+    with pytest.raises(
+        FileProblem, match=r"run.ngc: ends in '.ngc'.*sinumerik; name a file that ends in .mpf"
+    ) as caught:
+        hx.write(plan, "sinumerik", file="run.ngc")
+    assert caught.value.code == Code.WRONG_KIND
+    assert hx.write(plan, "sinumerik", file="run.MPF").proof.ok
