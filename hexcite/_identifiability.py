@@ -129,7 +129,10 @@ def _at_samples(samples: Samples, delay: float) -> tuple[Callable[[Model], Array
             return replace(part, model=model).regressors(delay)
         if motion is None or not known(model):  # as `require_position` says of a fit
             raise IdentificationError(
-                problem=f"model {model.number} needs more of the motion than the recording holds", code=Code.MISSING
+                place=f"model {model.number}",
+                problem="needs more of the motion than the recording holds",
+                remedy="choose model 0 or 6, or record the drives",
+                code=Code.MISSING,
             )
         return regressors(model, motion.load)[motion.known]
 

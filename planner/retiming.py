@@ -90,6 +90,7 @@ def retime(plan: Plan, method: Pace = default_of(Pace), without: PaceWithout = d
         motion, made_with = fastest_within_limits(case, motion.slowed, plan.name, _REMEDY), "one slower pace"
     if not motion.duration <= LONGEST:
         raise InfeasiblePlan(
+            place=plan.name,
             problem=f"the motion takes {motion.duration:.0f} s, longer than {LONGEST:g} s",
             remedy="shorten it",
             code=Code.INFEASIBLE,
@@ -97,7 +98,10 @@ def retime(plan: Plan, method: Pace = default_of(Pace), without: PaceWithout = d
     limits = with_steps(prove(motion, case), step_time)
     if violations := limits.violations:
         raise InfeasiblePlan(
-            problem=f"the re-timed motion is not a plan: {violations[0].sentence()}", code=Code.NOT_PROVEN
+            place=plan.name,
+            problem=f"the re-timed motion is not a plan: {violations[0].sentence()}",
+            remedy=_REMEDY,
+            code=Code.NOT_PROVEN,
         )
     settings = RetimedSettings(
         retimed_with=made_with,
@@ -135,8 +139,9 @@ def as_fast_as_possible(
     limited = case.need_motion("re-timing")[1].limits_jerk
     if limited and without is None:
         raise HexciteError(
-            problem=f"limits.motion of case {case.name} states jerk, which toppra cannot limit: re-time "
-            f"with {option('without')} jerk if the machine bears steps of acceleration, or with "
+            place=f"case {case.name}, limits.motion",
+            problem="states jerk, which toppra cannot limit",
+            remedy=f"re-time with {option('without')} jerk if the machine bears steps of acceleration, or with "
             f"{option('method', 'with')} ruckig",
             code=Code.NOT_SUPPORTED,
         )

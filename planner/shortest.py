@@ -255,12 +255,12 @@ def _missed(trials: list[Trial], request: Request, case: Case) -> HexciteError |
             predicted=_predicted(best, targets, case, model),
             times=f"{best.excess:.2f}",
         ),
-        remedy=_remedy(planned, longest, request, best.plan),
+        remedy=_remedy(planned, request, best.plan),
         code=Code.INFEASIBLE,
     )
 
 
-def _remedy(planned: list[Trial], longest: float, request: Request, best: Plan | None) -> str:
+def _remedy(planned: list[Trial], request: Request, best: Plan | None) -> str:
     """What to do: allow more time where that would help, else ask for less, or know the machine better."""
     promise = None if best is None else best.promise if best.gain is None else best.gain.after
     if best and promise and any(promise.least.get(name, 0.0) > at for name, at in request.target.items()):

@@ -250,7 +250,8 @@ def mounted_weights(case: Case, wanted: str | Sequence[int] | None) -> tuple[int
     numbers = tuple(int(word) for word in words if word.isdecimal())
     if len(numbers) < len(words) or numbers[:1] != (0,) or list(numbers) != sorted(set(numbers)) or numbers[-1] > most:
         raise HexciteError(
-            problem=f"weights {wanted!r}: give how many are mounted, from 0 upwards to at most {most}, as in 0,{most}",
+            problem=f"weights {wanted!r} are not numbers of weights that can be mounted",
+            remedy=f"give how many are mounted, from 0 upwards to at most {most}, as in 0,{most}",
             code=Code.OUT_OF_RANGE,
         )
     return numbers
@@ -308,7 +309,9 @@ def require_methods(names: Sequence[str]) -> None:
             raise HexciteError(problem=f"method {name!r} is unknown", remedy=choice(name, METHODS), code=Code.UNKNOWN)
     if not names or len(set(names)) < len(names):
         raise HexciteError(
-            problem=f"methods {', '.join(names)!r}: name each once, of {', '.join(METHODS)}", code=Code.CONTRADICTION
+            problem=f"methods {', '.join(names)!r} name none, or one twice",
+            remedy=f"name each once, of {', '.join(METHODS)}",
+            code=Code.CONTRADICTION,
         )
 
 

@@ -121,7 +121,8 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
     if spec.size > MOST_CELLS:
         raise HexciteError(
             place=f"study {spec.name}",
-            problem=f"the grid has {spec.size} cells, at most {MOST_CELLS}: list fewer values",
+            problem=f"the grid has {spec.size} cells, at most {MOST_CELLS}",
+            remedy="list fewer values",
             code=Code.OUT_OF_RANGE,
         )
     executed = None if spec.execute is None else [*spec.execute.model_dump().values(), case.controller_hash]

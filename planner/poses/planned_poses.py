@@ -266,7 +266,9 @@ def _require_valid(case: Case, given: Array | None) -> Array:
     """The poses of a user; raises HexciteError without any, InfeasiblePlan where the machine cannot stand at one."""
     if given is None:
         raise HexciteError(
-            problem=f"method given needs poses: name a CSV file of them with {option('at')}", code=Code.MISSING
+            problem="method given needs poses",
+            remedy=f"name a CSV file of them with {option('at')}",
+            code=Code.MISSING,
         )
     for number, valid in enumerate(valid_poses(case, given), 1):
         if not valid:

@@ -149,7 +149,8 @@ def _place(result: Result, frame: FrameName) -> Place:
     place = place_of(result.case_as_told, frame, at_home=False)
     if not place.fixed and result.case.setup == "1a":
         raise HexciteError(
-            problem=f"case {result.case.name}: the frame of the sensors stands, and its case does not say how in {{B}}",
+            place=f"case {result.case.name}",
+            problem="the frame of the sensors stands, and its case does not say how in {B}",
             remedy="choose frame sensor",
             code=Code.NOT_SUPPORTED,
         )

@@ -50,10 +50,12 @@ def ft_tools(result: Result, name: str) -> str:
         CaseError: positive readings are those of the sensor on the load, which ft_tools does not know.
     """
     if require_transducer(result.case, "ft_tools") != "load_on_sensor":
-        problem = "is sensor_on_load; ft_tools takes readings of the load on the sensor: turn them round in the driver"
-        key = "sensor_frame.transducer.sense"
         raise CaseError(
-            file=f"case {result.case.name}", key=key, problem=f"{problem}, and state load_on_sensor", code=Code.MISSING
+            file=f"case {result.case.name}",
+            key="sensor_frame.transducer.sense",
+            problem="is sensor_on_load; ft_tools takes readings of the load on the sensor",
+            remedy="turn them round in the driver, and state load_on_sensor",
+            code=Code.NOT_SUPPORTED,
         )
     load: Load = load_in(result, "sensor")
     offsets = _offsets(result)

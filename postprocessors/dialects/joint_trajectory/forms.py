@@ -68,10 +68,8 @@ def embedded(content: bytes, file: str, case: Case) -> Embedded | None:
     if script != content:
         theirs, ours = content.splitlines(), script.splitlines()
         line = next((k for k, (a, b) in enumerate(zip(theirs, ours, strict=False)) if a != b), len(ours))
-        problem = (
-            f"this script is not the one that goes with the case: it was changed, or controller.ros2 was; {remedy}"
-        )
-        raise ProgramError(file=file, line=line + 1, column=0, problem=problem, code=Code.CHANGED)
+        problem = "this script is not the one that goes with the case: it was changed, or controller.ros2 was"
+        raise ProgramError(file=file, line=line + 1, column=0, problem=problem, remedy=remedy, code=Code.CHANGED)
     return Embedded(text, before.count(b"\n") + 3)
 
 

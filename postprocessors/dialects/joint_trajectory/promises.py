@@ -26,8 +26,8 @@ def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
         raise CaseError(
             file=f"case {case.name}",
             key="controller.ros2.interpolation",
-            problem='"none" steps from point to point: no limit holds; set interpolation_method of the controller, and '
-            'this key, to "splines"',
+            problem='"none" steps from point to point: no limit holds',
+            remedy='set interpolation_method of the controller, and this key, to "splines"',
             code=Code.NOT_SUPPORTED,
         )
     remedy = "leave out points that are closer to the one before"

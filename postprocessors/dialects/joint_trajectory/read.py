@@ -24,6 +24,7 @@ from postprocessors.reading import STILL, Grouping, Reading, TimedBlock, program
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 MOST_TIME = 10**9  # seconds, and nanoseconds, of a time
 LONGEST_LINE = 4096
+AGAIN = "copy it again, or write it again with hexcite post"
 SHOWN = 120  # characters of a line that an error repeats: names of seven joints
 _WHOLE = r"(?:0|[1-9]\d{0,8})"
 _NUMBER = r"([+-]?(?:0|[1-9]\d{0,17})(?:\.\d*(?:[eE][+-]\d{1,3})?)?)"
@@ -84,7 +85,7 @@ def _of_json(message: Embedded, file: str, case: Case) -> list[_Point]:
             )
         points.append((line, *trajectory))
     if not points:
-        raise ProgramError(file=file, line=message.line, problem="no point: truncated", code=Code.DAMAGED)
+        raise ProgramError(file=file, line=message.line, problem="no point: truncated", remedy=AGAIN, code=Code.DAMAGED)
     return points
 
 
@@ -141,6 +142,7 @@ def _of_yaml(content: bytes, file: str, case: Case) -> list[_Point]:
             file=file,
             line=lines[-1][0] if lines else 0,
             problem="no point, or the last is not complete: truncated",
+            remedy=AGAIN,
             code=Code.DAMAGED,
         )
     points: list[_Point] = []
