@@ -78,7 +78,8 @@ class Ros2(Part):
     interpolate_from_desired_state: Annotated[bool, Field(strict=True)] = False
     """Whether it starts from its last command (until 2025 `open_loop_control`), not from where the joints are."""
     decelerate_on_cancel: Annotated[bool, Field(strict=True)] = False
-    """Its `constraints.decelerate_on_cancel`: whether it slows down where a motion is cancelled or leaves its path."""
+    """Its `constraints.decelerate_on_cancel`: whether it slows down where a motion is cancelled or leaves its path.
+    That takes speeds among its `state_interfaces`, and `max_deceleration_on_cancel` above 0 of every joint."""
     speed_scaling: Annotated[bool, Field(strict=True)] = False
     """Whether a slider of speed stretches trajectories: a scaled controller, or `speed_scaling.state_interface`."""
 

@@ -28,7 +28,8 @@ from cases.tables import CASE_FILE, built_in_cases
 STAGES = ("machine", "plan", "program", "data", "result", "use")
 MOST = 300  # files and folders of a kind that are looked at
 RECORDINGS = frozenset(
-    {".csv", ".txt", ".dat", ".tsv", ".asc", ".lvm", ".xml", ".parquet", ".db3", ".mcap", ".bag", ".log", ".out"}
+    {".csv", ".txt", ".dat", ".tsv", ".asc", ".lvm", ".xml", ".parquet", ".db3", ".mcap", ".bag", ".active", ".log",
+     ".out"}
 )  # fmt: skip
 FORMS = {"ros2": (".yaml", ".json", ".py")}
 """Controllers whose programs have several forms: their suffixes, the usual one first."""

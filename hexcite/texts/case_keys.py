@@ -571,7 +571,8 @@ KEYS: dict[str, str] = {
     ),
     "Ros2.decelerate_on_cancel": (
         "Ihr `constraints.decelerate_on_cancel`: ob sie abbremst, wo eine Bewegung abgebrochen wird oder von ihrer "
-        "Bahn abkommt."
+        "Bahn abkommt. Dazu braucht sie Geschwindigkeiten unter ihren `state_interfaces` und von jedem Gelenk "
+        "`max_deceleration_on_cancel` über 0."
     ),
     "Ros2.speed_scaling": (
         "Ob ein Regler der Geschwindigkeit Bahnen dehnt: eine scaled-Steuerung oder `speed_scaling.state_interface`."

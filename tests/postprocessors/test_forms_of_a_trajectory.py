@@ -197,6 +197,8 @@ def test_what_the_controller_does_by_its_own_settings_is_said() -> None:
         "off its path, at once": {"path_tolerance_deg": 2.0},
         "off its path, slowing down": {"path_tolerance_deg": 2.0, "decelerate_on_cancel": True},
     }
+    blind = {"path_tolerance_deg": 2.0, "decelerate_on_cancel": True, "state_interfaces": ("position",)}
+    assert "off its path, at once" in " ".join(written(".yaml", with_settings(**blind)).proof.remarks)
     plain = " ".join(written(".yaml", with_settings()).proof.remarks)
     for words, keys in ways.items():
         assert words in " ".join(written(".yaml", with_settings(**keys)).proof.remarks)

@@ -45,7 +45,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "channels": _channels(context, result.record),
         "other": _beside(context, result, there.results, query.get("other")),
         "recordings": there.recordings,
-        **_payload(context, result),
+        **_payload(context, result, [each.name for each in there.results]),
         "again": about["recording"] if about["recording"] in names else "",
     }
 
@@ -208,15 +208,18 @@ def _beside(context: Context, result: Made, results: Sequence[Made], name: str |
     return {"name": other.name, "rows": rows}
 
 
-def _payload(context: Context, result: Made) -> dict[str, Any]:
-    """What the latest payload of this result was."""
+def _payload(context: Context, result: Made, results: Sequence[str]) -> dict[str, Any]:
+    """What the latest payload of this result was, and which of the results was, or may be, the one without it."""
     from identification.options import FRAMES
     from postprocessors.export.targets import LOADS, SINGLE_FILES
 
     job = context.jobs.latest(context.machine.key, "payload", result.name)
     answer = job.answer if job is not None and job.arrived and job.answer is not None else {}
     reference, in_frame = answer.get("reference") or {}, answer.get("in_frame") or {}
+    before = "" if job is None else job.command[1].removeprefix("./")
+    others = [name for name in results if name != result.name]
     return {
+        "payload_before": before if before in results else next(iter(others), ""),
         "payload": [parameter(context.words, name, value) for name, value in (answer.get("parameters") or {}).items()],
         "payload_checks": [
             (

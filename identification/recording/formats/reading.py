@@ -121,8 +121,13 @@ def written_columns(paths: Sequence[Path], case: Case, names: Sequence[str]) -> 
     return None
 
 
-_STORED = {".mcap": b"\x89MCAP0\r\n", ".db3": b"SQLite format 3\0", ".bag": b"#ROSBAG V"}
-"""How the files of bags end, and begin: of ROS 2 as MCAP or SQLite, of ROS 1."""
+_ROS_1 = b"#ROSBAG V"
+_STORED = {
+    ".mcap": b"\x89MCAP0\r\n",
+    ".db3": b"SQLite format 3\0",
+    **dict.fromkeys((".bag", ".BAG", ".active"), _ROS_1),
+}
+"""How the files of bags end, and begin: of ROS 2 as MCAP or SQLite, of ROS 1, and of one that was being recorded."""
 
 
 def is_bag(path: Path) -> bool:

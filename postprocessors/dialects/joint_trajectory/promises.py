@@ -88,4 +88,5 @@ def _own_rules(settings: Ros2) -> Iterator[str]:
 
 
 def _stopping(settings: Ros2) -> str:
-    return "slowing down" if settings.decelerate_on_cancel else "at once, whatever acceleration that takes"
+    slows_down = settings.decelerate_on_cancel and "velocity" in settings.state_interfaces  # it needs their speeds
+    return "slowing down" if slows_down else "at once, whatever acceleration that takes"

@@ -145,6 +145,18 @@ def test_certificates_and_their_texts(client: TestClient, root: Path) -> None:
     assert asked(root, "verify", result="res", certificate="x.pdf").command[:3] == ("certificate", "x.pdf", "--verify")
 
 
+def test_the_result_without_the_payload_is_another_one(client: TestClient, root: Path) -> None:
+    shutil.copytree(root / "res", root / "later")
+    try:
+        for chosen, other in (("res", "later"), ("later", "res")):
+            page = client.get(f"/m/+mill/result?result={chosen}").text
+            menu = re.search(r'<select id="f-before".*?</select>', page, re.DOTALL)
+            assert menu is not None
+            assert f"<option selected>{other}</option>" in menu[0]
+    finally:
+        shutil.rmtree(root / "later")
+
+
 def test_payloads_exports_and_history_become_commands(root: Path) -> None:
     payload = asked(root, "payload", before="res", after="res", r__m="19,93", U__m="0.01")
     assert payload.command[-3:] == ("--reference=m=19.93+-0.01kg", "-o", "res-payload.json")

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice, pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -21,6 +22,7 @@ from cases.base.phrases import phrase
 from cases.recording_format import CLOCK, WRENCH, Clock, FileFormat
 from cases.schema import Case
 from identification.recording.formats.ros.frames import require_frame
+from identification.recording.formats.ros.reindexed import SUFFIXES, readable
 from identification.recording.formats.table import ColumnTable, Lines, listed, shown
 
 if TYPE_CHECKING:
@@ -74,7 +76,7 @@ def bag_tables(bags: Sequence[Path], form: FileFormat) -> Iterator[ColumnTable]:
     with opened(bags) as reader:
         joints, wrench = (topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS)
         for topic in (joints, wrench):
-            _require_one_run(reader, topic)
+            _require_one_run(reader, bags, topic)
         theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
         received = form.ros.get("time") == "receipt"
         positions = _positions(reader, joints, theirs, received)
@@ -100,12 +102,14 @@ def bag_tables(bags: Sequence[Path], form: FileFormat) -> Iterator[ColumnTable]:
 _SPLIT = (-0.1, 1.0)  # least and most time from the end of a bag to the next one of a recorder that splits it [s]
 
 
-def _require_one_run(reader: "AnyReader", topic: str) -> None:
+def _require_one_run(reader: "AnyReader", bags: Sequence[Path], topic: str) -> None:
     """Raises RecordingError where bags with the same topic do not continue each other, as those of two runs."""
     parts: list[tuple[int, int, str]] = []
-    for part in reader.readers:
+    names = iter(bags)
+    for part in reader.readers:  # in the order of the bags
+        bag = next(names)
         if any(connection.topic == topic and connection.msgcount for connection in part.connections):
-            parts.append((part.start_time, part.end_time, str(part.path)))
+            parts.append((part.start_time, part.end_time, str(bag)))
     parts.sort()
     for (_, ends, first), (begins, _, second) in pairwise(parts):
         gap = 1e-9 * (begins - ends)
@@ -127,7 +131,7 @@ def place_of(bags: Sequence[Path]) -> str:
 
 def _copy_or_reindex(bags: Sequence[Path]) -> str:
     """The remedy for bags that are damaged, by the tool of the ROS that wrote them."""
-    if all(bag.suffix == ".bag" for bag in bags):
+    if all(bag.suffix.lower() in SUFFIXES for bag in bags):
         return phrase("copy_or_reindex_ros1", "copy it again, or run rosbag reindex")
     return phrase("copy_or_reindex", "copy it again, or run ros2 bag reindex")
 
@@ -152,10 +156,12 @@ def opened(bags: Sequence[Path]) -> "Iterator[AnyReader]":
     import sqlite3
 
     damaged = (AnyReaderError, OSError, EOFError, ValueError, LookupError, AttributeError, TypeError, AssertionError)
-    inside = (rosbag1.ReaderError, rosbag2.ReaderError, SerdeError, TypesysError, apsw.Error)
+    inside = (rosbag1.ReaderError, rosbag1.WriterError, rosbag2.ReaderError, SerdeError, TypesysError, apsw.Error)
     try:
-        with AnyReader([*bags], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            yield reader
+        with TemporaryDirectory() as folder:
+            files = [readable(bag, Path(folder)) for bag in bags]
+            with AnyReader(files, default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+                yield reader
     except (*damaged, *inside, ArithmeticError, MemoryError, struct.error, sqlite3.Error) as error:
         if isinstance(error, RecordingError):
             raise

@@ -346,15 +346,25 @@ def test_bags_of_two_runs_are_not_one(tmp_path: Path) -> None:
             read([bags[0], other], ROBOT)
 
 
-def test_a_bag_of_ros_1_without_index_is_named_with_its_own_tool(tmp_path: Path) -> None:
-    """What is left of a recorder that was stopped hard."""
-    file = write_old(tmp_path / "run.bag", run()[:200])
-    content = file.read_bytes()
+@pytest.mark.parametrize("packed", [None, Writer1.CompressionFormat.LZ4, Writer1.CompressionFormat.BZ2])
+def test_a_bag_of_ros_1_without_index_is_read_record_by_record(
+    packed: Writer1.CompressionFormat | None, tmp_path: Path
+) -> None:
+    """What is left of a recorder that was stopped hard: under the name it had meanwhile, cut within a record."""
+    whole = write_old(tmp_path / "run.bag", run(), packed)
+    content = whole.read_bytes()
     index = content.index(b"index_pos=") + len("index_pos=")
-    file.write_bytes(content[:index] + bytes(8) + content[index + 8 :])
-    for call_it in (lambda: read(file, ROBOT), lambda: look(file, ROBOT)):
-        with refused_at(file, "not indexed.*rosbag reindex"):
-            call_it()
+    begins = int.from_bytes(content[index : index + 8], "little")
+    active = tmp_path / "run.bag.active"
+    active.write_bytes(content[:index] + bytes(8) + content[index + 8 : begins + 20])
+    (tmp_path / "RUN.BAG").write_bytes(content)
+    for file in (active, tmp_path / "RUN.BAG"):
+        np.testing.assert_array_equal(read(file, ROBOT).forces, read(whole, ROBOT).forces)
+        assert look(file, ROBOT).problem is None
+    for damage in (content[:index] + bytes(8) + b"x" * 40, content[:30]):
+        active.write_bytes(damage)
+        with refused_at(active, "holds no message"):
+            read(active, ROBOT)
     with refused_at(write_old(tmp_path / "none.bag", []), "holds no message"):
         read(tmp_path / "none.bag", ROBOT)
 
