@@ -42,7 +42,6 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
         lambda case: hx.identifiability(np.full((9, 6), np.nan), case=case),
         ("identifiability", "pose 1", "not a number"),
     ),
-    "target of a text": (lambda case: hx.plan(case, target={"m": "5g"}), ("target m", "'5g'", "above 0")),
     "history of nothing": (lambda case: hx.history([]), ("history", "nothing is named")),
     "bound": (lambda case: hx.bound("hexapod"), ("case = 'hexapod'", "is not Case")),
     "write": (lambda case: hx.write("plan"), ("plan = 'plan'", "is not Plan")),
@@ -111,6 +110,12 @@ def test_an_unknown_argument_is_named_with_those_that_there_are(hexapod_case: Ca
         hx.plan(hexapod_case, start=1)
     with pytest.raises(hx.HexciteError, match=r"things = a list: is not .*Plan"):
         hx.compare([hexapod_case, "result"])
+
+
+def test_a_target_as_a_text_is_refused(hexapod_case: Case) -> None:
+    with pytest.raises(hx.HexciteError, match=r"target m: '5g' is not .*above 0") as caught:
+        hx.plan(hexapod_case, target={"m": "5g"})
+    assert caught.value.code == Code.OUT_OF_RANGE
 
 
 def test_every_public_function_is_here():
