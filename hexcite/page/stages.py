@@ -293,7 +293,7 @@ def _made(
 
 _ENTRIES: Mapping[str, tuple[type, ...]] = {
     **dict.fromkeys(("parameters", "limits", "predicted_std", COMPUTED_FROM), (dict,)),
-    **dict.fromkeys(("tried", "settings", "budget", "run", "channel_noise", "pooled"), (dict, type(None))),
+    **dict.fromkeys(("tried", "settings", "asked", "budget", "run", "channel_noise", "pooled"), (dict, type(None))),
     **dict.fromkeys(("findings", "notes"), (list,)),
     "not_counted": (list, type(None)),
 }

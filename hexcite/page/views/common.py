@@ -36,7 +36,12 @@ def chosen_plan(plans: Sequence[Made], name: str | None) -> Made | None:
 def best_alike(plans: Sequence[Made], plan: Made) -> Made:
     """Of the plans that are as fresh as this one and were asked for alike the one with most information."""
     alike = [each for each in plans if each.fresh == plan.fresh and _asked(each) == _asked(plan)]
-    return max([plan, *alike], key=lambda each: float(each.record.get("d_efficiency") or 0.0))
+    return max([plan, *alike], key=_information)
+
+
+def _information(plan: Made) -> float:
+    efficiency = plan.record.get("d_efficiency")
+    return efficiency if isinstance(efficiency, float) else 0.0
 
 
 def _asked(plan: Made) -> tuple[str, ...]:

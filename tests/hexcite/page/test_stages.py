@@ -125,6 +125,7 @@ DAMAGED_RECORDS = {
     "not a number": '{"case": "mill", "payload": NaN, "duration_s": Infinity}',
     "a payload that is none": '{"case": "mill", "payload": "x"}',
     "lists for values": '{"case": "mill", "payload": [], "family": [], "computed_from": [], "findings": 1, "name": {}}',
+    "a list that was asked for": '{"case": "mill", "asked": [], "settings": {"made_for": []}, "d_efficiency": "x"}',
     "bytes": "\ufeff\x00",
 }
 
