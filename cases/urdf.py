@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.base.errors import option
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM, Array
 from cases.chain import JOINT_NAME, JOINT_NAME_WORDS, LEAST_AXIS, MOST_JOINTS, Joint, JointLimit
 from cases.collision_bodies import covering
@@ -116,8 +117,20 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
     a_tree = not findings.problems
     for name, link in (("flange", flange), ("sensor", sensor if sensor is not None else flange)):
         if link not in links and not (name == "sensor" and sensor in (None, flange)):
-            problem = f"has no link {link}" if link else "does not say which link carries the sensor"
-            findings.problems.append(f"{problem}; name one of {listed(list(links))} with {option(name)}")
+            problem = (
+                phrase("no_such_link", "has no link {link}", link=link)
+                if link
+                else phrase("link_of_sensor", "does not say which link carries the sensor")
+            )
+            findings.problems.append(
+                phrase(
+                    "name_one_link",
+                    "{problem}; name one of {links} with {option}",
+                    problem=problem,
+                    links=listed(list(links)),
+                    option=option(name),
+                )
+            )
     if flange not in links:
         findings.require_none()
     assert flange is not None  # a link's name
@@ -129,12 +142,28 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
     moving = [element for element in way if _moves(element, findings)]
     if not moving:
         findings.problems.append(
-            f"no joint moves link {flange}; name another one of {listed(list(links))} as {option('flange')}"
+            phrase(
+                "link_stands",
+                "no joint moves link {flange}; name another one of {links} as {option}",
+                flange=flange,
+                links=listed(list(links)),
+                option=option("flange"),
+            )
         )
         findings.require_none()
     elif len(moving) > MOST_JOINTS:
-        problem = f"{len(moving)} joints move link {flange}, at most {MOST_JOINTS} can"
-        findings.problems.append(f"{problem}; name a {option('flange')} nearer to {base}, or fix joints in the file")
+        findings.problems.append(
+            phrase(
+                "many_joints",
+                "{count} joints move link {flange}, at most {most} can; name a {option} nearer to {base}, or fix "
+                "joints in the file",
+                count=len(moving),
+                flange=flange,
+                most=MOST_JOINTS,
+                option=option("flange"),
+                base=base,
+            )
+        )
         findings.require_none()
     joints, place = list[tuple[Joint, JointLimit]](), np.eye(4)
     for element in way:
@@ -148,8 +177,16 @@ def _arm(root: Element, flange: str | None, sensor: str | None, folder: Path) ->
         findings.require_none()
     behind = dict(cluster_of(moving[-1].attrib[CHILD], fixed))
     if sensor is not None and sensor in links and sensor not in behind:
-        problem = f"link {sensor} is not fixed to link {flange}"
-        findings.problems.append(f"{problem}; name with {option('sensor')} one that is: {listed(list(behind))}")
+        findings.problems.append(
+            phrase(
+                "sensor_is_loose",
+                "link {sensor} is not fixed to link {flange}; name with {option} one that is: {links}",
+                sensor=sensor,
+                flange=flange,
+                option=option("sensor"),
+                links=listed(list(behind)),
+            )
+        )
     findings.require_none()
     sensed = place if sensor is None else behind[sensor]
     stated = sensor is not None or _is_controllers(flange, behind, findings)
@@ -226,17 +263,39 @@ def _require_once(joint: Element, findings: Findings) -> None:
     for tag in ("parent", "child", "origin", "axis", "limit"):
         first, *others = joint.findall(tag) or [joint]
         if any(other.attrib != first.attrib for other in others):
-            findings.problems.append(f"joint {joint.attrib['name']} states {tag} more than once; remove all but one")
+            findings.problems.append(
+                phrase(
+                    "states_twice",
+                    "joint {name} states {tag} more than once; remove all but one",
+                    name=joint.attrib["name"],
+                    tag=tag,
+                )
+            )
 
 
 def _moves(joint: Element, findings: Findings) -> bool:
     name = joint.attrib["name"]
     kind = "mimic" if joint.find("mimic") is not None else joint.get("type", "")
     if kind not in (*_MOVING, "fixed"):
-        problem = f"joint {name} is {kind[:LONGEST_NAME]}, which no program moves"
-        findings.problems.append(f"{problem}; choose a {option('flange')} before it, or {', '.join(_MOVING)} or fixed")
+        findings.problems.append(
+            phrase(
+                "no_program_moves",
+                "joint {name} is {kind}, which no program moves; choose a {option} before it, or {kinds} or fixed",
+                name=name,
+                kind=kind[:LONGEST_NAME],
+                option=option("flange"),
+                kinds=", ".join(_MOVING),
+            )
+        )
     elif kind != "fixed" and not JOINT_NAME.fullmatch(name):
-        findings.problems.append(f"joint {name!r} moves, but {JOINT_NAME_WORDS}; give it another name in the file")
+        findings.problems.append(
+            phrase(
+                "odd_joint_name",
+                "joint {name} moves, but {words}; give it another name in the file",
+                name=repr(name),
+                words=JOINT_NAME_WORDS,
+            )
+        )
     return kind in _MOVING
 
 
@@ -247,7 +306,9 @@ def _joint(joint: Element, place: Array, link: RigidBody | None, findings: Findi
     for element in joint.findall("axis"):
         axis = vector_of(element, "xyz", f"axis of joint {name}", findings)
         if np.linalg.norm(axis) < LEAST_AXIS:
-            findings.problems.append(f"the axis of joint {name} has no direction; give one, such as 0 0 1")
+            findings.problems.append(
+                phrase("axis_of_urdf", "the axis of joint {name} has no direction; give one, such as 0 0 1", name=name)
+            )
             axis = np.array([1.0, 0.0, 0.0])
     slides = kind == "prismatic"
     unit, si, effort_key = ("mm", MM, "force_N") if slides else ("deg", DEG, "torque_Nm")
@@ -294,13 +355,27 @@ def _ends(name: str, limit: Element | None, slides: bool, findings: Findings) ->
         value = 0.0 if text is None else number_in(text)  # 0 is the format's default
         if value is None:
             findings.problems.append(
-                f"{key} of the limit of joint {name} is {shown(text)}; it takes a number, correct it"
+                phrase(
+                    "end_of_urdf",
+                    "{key} of the limit of joint {name} is {text}; it takes a number, correct it",
+                    key=key,
+                    name=name,
+                    text=shown(text),
+                )
             )
             return None
         values.append(value)
     lower, upper = values
     if lower > upper:
-        findings.problems.append(f"joint {name} has lower {lower:g}, upper {upper:g}; give lower below upper")
+        findings.problems.append(
+            phrase(
+                "ends_exchanged",
+                "joint {name} has lower {lower}, upper {upper}; give lower below upper",
+                name=name,
+                lower=f"{lower:g}",
+                upper=f"{upper:g}",
+            )
+        )
         return None
     if not slides and (lower, upper) == (-math.inf, math.inf):
         return lower, upper

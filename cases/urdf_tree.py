@@ -10,8 +10,9 @@ from xml.parsers import expat
 
 import numpy as np
 
-from cases.base.errors import ALSO, CaseError, Code, FileProblem, first_problems
+from cases.base.errors import CaseError, Code, FileProblem, first_problems
 from cases.base.file_reading import read_whole
+from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.units import Array
 from cases.machine import turned
 
@@ -24,7 +25,7 @@ _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 _MOST = 1e6  # of any number, in units of SI: beyond any machine
 _DEEPEST = 5  # robot, link, collision, geometry, mesh: what lies deeper is not read
 _LISTED = 40  # names of links that a message lists
-XACRO = "is xacro, not URDF; expand it first: xacro FILE.urdf.xacro > robot.urdf"
+XACRO = phrase("is_xacro", "is xacro, not URDF; expand it first: xacro FILE.urdf.xacro > robot.urdf")
 MOST_WAY = 20.0  # [m] of an origin or an end, beyond it numbers look like millimetres
 PARENT, CHILD = "#parent", "#child"
 """Keys of a joint's links, which no attribute can have."""
@@ -74,19 +75,27 @@ def read_tree(file: Path, of: Callable[[Element], Read]) -> Read:
         return of(_parsed(content))
     except FileProblem as error:
         raise CaseError(
-            file=file, problem=error.problem, remedy="name a readable URDF file", code=Code.UNREADABLE
+            file=file,
+            problem=error.problem,
+            remedy=phrase("name_urdf", "name a readable URDF file"),
+            code=Code.UNREADABLE,
         ) from error
     except (expat.ExpatError, LookupError) as error:
         unexpanded = b"<xacro:" in content
         raise CaseError(
-            file=file, problem=XACRO if unexpanded else f"is not XML: {error}; correct that line", code=Code.DAMAGED
+            file=file,
+            problem=XACRO if unexpanded else phrase("not_xml", "is not XML: {error}; correct that line", error=error),
+            code=Code.DAMAGED,
         ) from error
     except Unsound as error:
         raise CaseError(
-            file=file, problem=ALSO.join(error.problems), problems=error.problems, code=Code.WRONG_KIND
+            file=file, problem=enumerated("problems", error.problems), problems=error.problems, code=Code.WRONG_KIND
         ) from error
     except ValueError as error:
-        raise CaseError(file=file, problem=str(error), code=Code.WRONG_KIND) from error
+        (problem,) = error.args or ("",)
+        raise CaseError(
+            file=file, problem=problem if isinstance(problem, Phrase) else str(error), code=Code.WRONG_KIND
+        ) from error
 
 
 def _parsed(content: bytes) -> Element:
@@ -135,7 +144,14 @@ def named_elements(root: Element, tag: str, findings: Findings) -> dict[str, Ele
         if "${" in name:
             raise ValueError(XACRO)
         if not name or name in elements:
-            findings.problems.append(f"a {tag} has the name {name[:LONGEST_NAME]!r}; give each {tag} a name of its own")
+            findings.problems.append(
+                phrase(
+                    "names_of_urdf",
+                    "a {tag} has the name {name}; give each {tag} a name of its own",
+                    tag=tag,
+                    name=repr(name[:LONGEST_NAME]),
+                )
+            )
         elif not name.isprintable() or len(name) > LONGEST_NAME:
             findings.problems.append(
                 f"a {tag} has the name {name[:60]!r}; names have no control characters and at most {LONGEST_NAME} "
@@ -144,7 +160,14 @@ def named_elements(root: Element, tag: str, findings: Findings) -> dict[str, Ele
         element.set("name", name)
         elements.setdefault(name, element)
     if not elements:
-        raise ValueError(f"<{root.tag[:LONGEST_NAME]}> holds no {tag}; name a complete URDF file")
+        raise ValueError(
+            phrase(
+                "holds_no_tag",
+                "<{root}> holds no {tag}; name a complete URDF file",
+                root=root.tag[:LONGEST_NAME],
+                tag=tag,
+            )
+        )
     return elements
 
 

@@ -100,6 +100,26 @@ WRONG = {
     "linear_jerk_alone": "max_linear_jerk_mm_s3 gehört zu planner = „s_curve“; es weglassen oder diesen Planer angeben",
     "needs_linear_jerk": "max_linear_jerk_mm_s3 fehlt; [TRAJ]MAX_LINEAR_JERK aus der INI-Datei der Maschine angeben, "
     "die planner = „s_curve“ einhält",
+    "is_xacro": "ist xacro, kein URDF; zuerst umwandeln: xacro FILE.urdf.xacro > robot.urdf",
+    "not_xml": "ist kein XML: {error}; diese Zeile berichtigen",
+    "name_urdf": "eine lesbare URDF-Datei nennen",
+    "names_of_urdf": "ein Element {tag} hat den Namen {name}; jedem {tag} einen eigenen Namen geben",
+    "holds_no_tag": "<{root}> enthält kein {tag}; eine vollständige URDF-Datei nennen",
+    "no_such_link": "hat kein Glied {link}",
+    "link_of_sensor": "sagt nicht, welches Glied den Sensor trägt",
+    "name_one_link": "{problem}; eines von {links} mit {option} nennen",
+    "link_stands": "kein Gelenk bewegt das Glied {flange}; ein anderes von {links} als {option} nennen",
+    "many_joints": "{count} Gelenke bewegen das Glied {flange}, höchstens {most} dürfen es; {option} näher an {base} "
+    "nennen, oder Gelenke in der Datei festsetzen",
+    "sensor_is_loose": "das Glied {sensor} ist nicht fest am Glied {flange}; mit {option} eines nennen, das es ist: "
+    "{links}",
+    "states_twice": "das Gelenk {name} nennt {tag} mehr als einmal; alle bis auf eines entfernen",
+    "no_program_moves": "das Gelenk {name} ist {kind}, was kein Programm bewegt; {option} davor wählen, oder {kinds} "
+    "oder fixed",
+    "odd_joint_name": "das Gelenk {name} bewegt sich, aber {words}; ihm in der Datei einen anderen Namen geben",
+    "axis_of_urdf": "die Achse des Gelenks {name} hat keine Richtung; eine angeben, etwa 0 0 1",
+    "end_of_urdf": "{key} der Grenze des Gelenks {name} ist {text}; es braucht eine Zahl, berichtigen",
+    "ends_exchanged": "das Gelenk {name} hat lower {lower}, upper {upper}; lower kleiner als upper angeben",
     "no_direction": "hat keine Richtung; die Achse des Gelenks angeben, etwa [0.0, 0.0, 1.0]",
     "not_of_kind": "ist {kind} und hat kein {key}; es weglassen oder die Art ändern",
     "home_outside": "{home} = {value} liegt außerhalb von {position}; eines darin wählen",

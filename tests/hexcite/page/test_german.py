@@ -19,6 +19,7 @@ from cases.base.phrases import SIGNS, phrase, said
 from cases.schema import load_case
 from cases.tables import built_in_cases
 from cases.tolerances import KINDS, PRIORS
+from cases.urdf import read_urdf
 from hexcite.page import values
 from hexcite.page.jobs import Job
 from hexcite.page.journal import PLACE, Journal
@@ -131,10 +132,14 @@ def answered(root: Path, calibrated: Path, monkeypatch: pytest.MonkeyPatch) -> I
         yield client
 
 
+ARM = (
+    '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/>'
+    '<child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>'
+)
+
+
 def test_all_stages_speak_german(answered: TestClient):
-    urdf = '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/>'
-    urdf += '<child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>'
-    assert answered.put("/upload/arm.urdf", content=urdf.encode()).status_code == 200
+    assert answered.put("/upload/arm.urdf", content=ARM.encode()).status_code == 200
     places = ["/", "/urdf/arm.urdf", "/nowhere", "/m/+mill/data?recording=trace.csv"]
     places += [f"/m/{key}/machine" for key in built_in_cases()]
     places += [f"/m/+mill/{stage}" for stage in ("machine", "plan", "program", "data", "result", "use")]
@@ -319,3 +324,26 @@ def test_what_a_case_cannot_be_is_said_in_german(mistake: str, tmp_path: Path):
     sentences = caught.value.sentences
     assert tuple(map(str, sentences)) == caught.value.lines
     assert [said for said in map(GERMAN.quoted, sentences) if "<q" in said] == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("<limit", "<limit/><limit"),
+        ('type="revolute"', 'type="floating"'),
+        ('xyz="0 0 1"', 'xyz="0 0 0"'),
+        ('lower="-1"', 'lower="x"'),
+        ('lower="-1"', 'lower="3"'),
+        ('<link name="b"/>', '<link name="b"/><link name="b"/>'),
+        ("</robot>", "<xacro:if/></robot>"),
+        ("</robot>", ""),
+    ],
+)
+def test_what_a_urdf_cannot_be_is_said_in_german(old: str, new: str, tmp_path: Path):
+    assert old in ARM
+    (tmp_path / "arm.urdf").write_text(ARM.replace(old, new))
+    with pytest.raises(CaseError) as caught:
+        read_urdf(tmp_path / "arm.urdf", "b")
+    said_of_it = [GERMAN.quoted(each) for each in caught.value.sentences]
+    assert said_of_it
+    assert [each for each in said_of_it if "<q" in each] == []
