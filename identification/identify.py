@@ -135,10 +135,7 @@ def _identified(
         estimate = estimate_parameters(run, case, number, method, asked.treatment)
     except (IdentificationError, RecordingError) as error:
         if about.case not in (None, case.name):
-            raise IdentificationError(
-                problem=f"{error.message}; it was recorded with the case {about.case}, not {case.name}",
-                code=Code.OTHER_SOURCE,
-            ) from error
+            raise error.beside((f"it was recorded with the case {about.case}, not {case.name}",)) from error
         raise
     estimate = replace(estimate, findings=(*_changes_of_case(recording, case), *differences, *estimate.findings))
     files, treatment = files_of(run.paths), asked.treatment

@@ -262,8 +262,8 @@ def per_channel(regression: Regression) -> Fit:
         variance = same @ np.sum(fit.residuals**2, axis=0) * filtered.stride / (same @ freedom)
         if variance.min() <= (1e-12 * np.abs(forces).max()) ** 2 * np.finfo(float).eps:
             raise IdentificationError(
-                problem="a channel fits without any residual",
-                remedy="its variance cannot be estimated: check it",
+                problem=f"channel {int(variance.argmin()) + 1} fits without any residual, so that it has no variance",
+                remedy=f"check what it recorded, or choose {option('weights')} equal",
                 code=Code.NO_EXCITATION,
             )
         before, weights = weights, 1.0 / variance

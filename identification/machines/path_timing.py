@@ -98,8 +98,9 @@ def retime(path: Trajectory, case: Case, hurry: float = 1.0, forces: Shares | No
         from toppra.algorithm import TOPPRA  # takes 0.7 s to import
     except ImportError as error:
         raise HexciteError(
-            problem="toppra, which times this path, is not installed; install it (pip install toppra",
-            remedy="without a wheel for this computer it wants a compiler), or plan moves",
+            problem="toppra, which times this path, is not installed",
+            remedy="install it (pip install toppra; without a wheel for this computer it wants a compiler), or plan "
+            "moves",
             code=Code.NOT_INSTALLED,
         ) from error
 

@@ -163,7 +163,7 @@ def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = 
     if "m" in dropped:
         raise IdentificationError(
             problem="m cannot be left out: a body without mass has no centre of gravity",
-            remedy="choose model 0",
+            remedy="keep it, or give its value where it is known",
             code=Code.CONTRADICTION,
         )
     rows = _rows(pairs, constants, names)

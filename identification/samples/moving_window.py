@@ -128,7 +128,8 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     if step >= SLOWEST and (other := _other_clock(step, cutoff)):
         raise RecordingError(
             place=recording.source,
-            problem=f"{1 / step:.4g} samples a second are too few for a motion{other}, and a cut-off of some ten Hz",
+            problem=f"{1 / step:.4g} samples a second are too few for a motion",
+            remedy=f"record faster{other}, and a cut-off of some ten Hz",
             code=Code.CLOCK,
         )
     if not cutoff <= 0.2 / step * (1.0 + 1e-3):  # what the message allows is taken, however stamps say the step

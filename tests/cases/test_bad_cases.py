@@ -43,6 +43,10 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "true for a number": ("radius_mm = 700.0", "radius_mm = true", f"{RING}.radius_mm", "True: .* number"),
     "NaN": ("radius_mm = 700.0", "radius_mm = nan", f"{RING}.radius_mm", "nan: .*finite number"),
     "infinity": ("radius_mm = 700.0", "radius_mm = inf", f"{RING}.radius_mm", "inf: .*finite number"),
+    "ripple beyond the step of simulated runs": (
+        "strut_velocity_band_Hz = 60.0", "strut_velocity_band_Hz = 500.0", "simulation.disturbances.strut_velocity_band_Hz",
+        "less than or equal to 400",
+    ),
     "beyond any machine": ("radius_mm = 700.0", "radius_mm = 1e308", f"{RING}.radius_mm", "less than or equal to 10"),
     "negative radius": ("radius_mm = 700.0", "radius_mm = -7.0", f"{RING}.radius_mm", "-7.0: .*greater than 0"),
     "negative tolerance": (

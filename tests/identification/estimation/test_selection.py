@@ -117,7 +117,7 @@ def test_intervals_of_the_rest_hold_the_truth_in_95_of_100() -> None:
         ({"mxC": 0.0, "xC": 0.0}, (), "mxC is given twice"),
         ({"xC": 0.0}, ("mxC",), "mxC is given twice"),
         ({"k0": 0.0}, ("k0",), "k0 is given twice"),
-        ({}, ("m",), "m cannot be left out: .* model 0"),
+        ({}, ("m",), "m cannot be left out: .*; keep it, or give its value"),
         ({"IC11": 1.2}, (), "IC11 .*cannot be fixed.*; fix I11, .*give it as a prior, or .*nonlinear"),
         ({}, tuple(NAMES), "all parameters are known; leave at least one"),
     ],

@@ -15,6 +15,7 @@ from identification.model.blocks import INERTIA
 from identification.model_choice import identify_models
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import StraightMove
+from identification.recording.record import RunRecord
 from identification.recording.recording import Recording
 from identification.samples.moving_window import stands_only
 from identification.samples.standstills import among, average, find_standstills, match
@@ -275,3 +276,11 @@ def test_models_are_not_compared_by_one_sample() -> None:
     with pytest.raises(IdentificationError) as caught:
         identify_models(forces_alone(1), BARS, how=Method(known=known))
     assert caught.value.code is Code.TOO_FEW
+
+
+def test_a_run_of_another_machine_keeps_its_error_and_says_whose_it_is() -> None:
+    run = replace(forces_alone(3), record=RunRecord.of_case(BARS), drives=np.ones((3, 6)))
+    with pytest.raises(IdentificationError) as caught:
+        identify(run, CASE)
+    assert caught.value.code is Code.NO_EXCITATION
+    assert all(name in caught.value.remedy for name in (BARS.name, CASE.name))
