@@ -19,10 +19,25 @@ FORMULAS = {
         "automethod:: identification.model.model.Model.expression",
         "autofunction:: identification.model.model.expected_forces",
     ),
-    "What is estimated": ("autofunction:: identification.estimation.fit.gauss_markov",),
+    "How it moves": (
+        "automethod:: identification.motion.curves.FourierMotion.at",
+        "autofunction:: identification.machines.rotations.rate_matrix",
+        "autofunction:: identification.machines.rotations.twist",
+        "autofunction:: identification.machines.rotations.twist_rate",
+        "autofunction:: identification.machines.rotations.gibbs",
+    ),
+    "What is estimated": (
+        "autofunction:: identification.estimation.fit.gauss_markov",
+        "autofunction:: identification.estimation.estimators.per_channel",
+        "autofunction:: identification.estimation.estimators.independent_poses",
+        "autofunction:: identification.estimation.estimators.huber",
+        "autofunction:: identification.estimation.priors.conflict_of",
+        "autofunction:: identification.results.verdicts.en",
+    ),
     "What is optimised": (
         "autofunction:: identification.estimation.criteria.information",
         "autofunction:: identification.estimation.criteria.reference_scaling",
+        "autofunction:: identification.estimation.criteria.executed_information",
         "autoclass:: identification.estimation.criteria.Criterion",
     ),
 }

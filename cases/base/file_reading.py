@@ -90,4 +90,4 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
 
 
 DAMAGED = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
-"""What a JSON object raises where it is taken apart and is not of the shape that `the command gave it."""
+"""What a JSON object raises where it is taken apart and is not of the shape that the command gave it."""

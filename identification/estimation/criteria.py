@@ -169,7 +169,7 @@ def _log_det(matrices: Array) -> Array:
 
 
 def executed_information(model: Model, scaling: Array, execution: Execution, windows: Array, cutoff: float) -> Array:
-    """Time average of H A^T A H over the executed excitation, behind the filter of the evaluation, shape (u, u); W = 1.
+    r"""Mean of :math:`H A^T A H` over an executed excitation behind the evaluation's filter, W = 1, shape (u, u).
 
     Ripple that a controller adds is filtered off by the evaluation, and must not count as information. `scaling` is the
     diagonal of H; windows of the excitation have the shape (k, 2) [s], `cutoff` is that of the low-pass [Hz].

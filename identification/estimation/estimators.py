@@ -224,7 +224,13 @@ LEAST_FREEDOM = 2.0  # forces of a channel beyond what the parameters take, to j
 
 
 def per_channel(regression: Regression) -> Fit:
-    """Gauss-Markov with W from the residual variance of each channel, or of those that are alike, in turns with u.
+    r"""Gauss-Markov with W from the residual variance of each channel, or of those that are alike, in turns with u.
+
+    .. math::
+        W_{ii} = \frac{1}{s_i^2}, \qquad s_i^2 = \frac{\sum_k r_{ki}^2}{n - h_i}, \qquad
+        h_i = W_{ii} \sum_k a_{ki}^T F^{-1} a_{ki}
+
+    for n samples that were not filtered, residuals :math:`r_{ki}`, rows :math:`a_{ki}^T` of :math:`A_k`, and F of (24).
 
     Each channel pays for the unknowns by its own leverage, the trace of its block of the hat matrix: the fixed point is
     the restricted maximum likelihood (Patterson & Thompson 1971, Biometrika 58:545). Equal shares instead would let
@@ -296,7 +302,11 @@ def channel_leverage(regressors: Array, weights: Array) -> Array:
 
 
 def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Array:
-    """Covariance of u where poses are independent of each other, channels of a pose not, shape (u, u).
+    r"""Covariance of u where poses are independent of each other, channels of a pose not, shape (u, u).
+
+    .. math::
+        C = \sum_j g_j g_j^T, \qquad g_j = F^{-1} A_j^T W^{1/2} (1 - H_j)^{-1} W^{1/2} r_j, \qquad
+        H_j = W^{1/2} A_j F^{-1} A_j^T W^{1/2}
 
     The cluster form of HC3 (CR3; MacKinnon & White 1985, Bell & McCaffrey 2002): residuals of a pose are replaced by
     what they would be had the pose not been part of the fit, so that the covariance of a few poses is not too small.
@@ -409,7 +419,11 @@ def huber_of(regression: Regression) -> Fit:
 
 
 def huber(regression: Regression) -> Array:
-    """Huber's M-estimate of u, shape (u,), by iteratively reweighted least squares: gross errors count less.
+    r"""Huber's M-estimate of u, shape (u,), by iteratively reweighted least squares: gross errors count less.
+
+    .. math::
+        \sum_{k,i} \frac{a_{ki}}{s_i} \psi\left(\frac{r_{ki}}{s_i}\right) = 0, \qquad
+        \psi(z) = \max(-c, \min(c, z)), \qquad c = 1.345, \qquad s_i = 1.4826 \, \mathrm{med}_k |r_{ki}|
 
     Huber & Ronchetti 2009, Robust Statistics, chapter 7. The scale of channels that are alike is their MAD, in turns.
     """

@@ -143,7 +143,10 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
 
 
 def conflict_of(prior: Prior, value: float, variance: float) -> float:
-    """By how many standard deviations of their difference a prior is above data and other priors, 0 where they agree.
+    r"""By how many standard deviations of their difference a prior is above data and other priors, 0 where they agree.
+
+    .. math::
+        z = \frac{p - \hat{p}}{\sqrt{s_p^2 - \mathrm{var}\,\hat{p}}}
 
     From the estimate of its parameter with all priors and its variance: information adds, so that no fit without the
     prior is needed; standard normal where they agree.

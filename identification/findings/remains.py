@@ -7,11 +7,11 @@ from scipy.linalg import block_diag
 
 from cases.base.units import Array, Indices
 from identification.estimation.alternatives import Remainder
+from identification.samples.moving import FORGOTTEN
 from identification.samples.samples import Fitted, MovingSamples, Samples, Standstills
 from identification.signals import fair_part
 
 EXCERPT = 0.25  # of `fair_part` of a long run, by which it is judged: enough for effects far below what matters
-FORGOTTEN = 100  # samples after which noise counts as independent
 
 
 def excerpt_of(fitted: Fitted) -> tuple[Fitted, Indices]:

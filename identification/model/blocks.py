@@ -1,12 +1,9 @@
 """Blocks of columns of the regressor, and the models of Table 2 made of them."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import casadi as ca
-
-if TYPE_CHECKING:
-    pass
 
 
 class Parameter(NamedTuple):

@@ -146,7 +146,15 @@ class FourierMotion:
         )
 
     def at(self, t: ArrayLike) -> Motion:
-        """(34), (35), (36) and the third derivative at times t, shape (n,) [s]."""
+        r"""(34), (35), (36) and the third derivative at times t, shape (n,) [s].
+
+        .. math::
+            x = x_0 + \sum_{l=1}^{N} \frac{a_l}{w l} \sin w l t - \frac{b_l}{w l} \cos w l t, \qquad
+            \dot{x} = \sum_{l=1}^{N} a_l \cos w l t + b_l \sin w l t, \qquad
+            \ddot{x} = \sum_{l=1}^{N} -a_l w l \sin w l t + b_l w l \cos w l t
+
+        with t from the end of the run-in on.
+        """
         time = np.asarray(t, dtype=float)
         series = self._series(time - self.run_in)
         if self.run_in == 0.0:

@@ -244,5 +244,9 @@ def of_reference(parameters: Mapping[str, Value], reference: Reference) -> Itera
 
 
 def en(of: Value, value: float, expanded: float) -> float:
-    """E_n of a value beside a reference value with its expanded uncertainty (k = 2), of ISO 13528."""
+    r"""E_n of a value beside a reference value with its expanded uncertainty (k = 2), of ISO 13528.
+
+    .. math::
+        E_n = \frac{|x - x_\mathrm{ref}|}{\sqrt{U^2 + U_\mathrm{ref}^2}}
+    """
     return float(abs(of.value - value) / np.hypot(of.expanded, expanded))

@@ -44,7 +44,8 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "NaN": ("radius_mm = 700.0", "radius_mm = nan", f"{RING}.radius_mm", "nan: .*finite number"),
     "infinity": ("radius_mm = 700.0", "radius_mm = inf", f"{RING}.radius_mm", "inf: .*finite number"),
     "ripple beyond the step of simulated runs": (
-        "strut_velocity_band_Hz = 60.0", "strut_velocity_band_Hz = 500.0", "simulation.disturbances.strut_velocity_band_Hz",
+        "strut_velocity_band_Hz = 60.0", "strut_velocity_band_Hz = 500.0",
+        "simulation.disturbances.strut_velocity_band_Hz",
         "less than or equal to 400",
     ),
     "beyond any machine": ("radius_mm = 700.0", "radius_mm = 1e308", f"{RING}.radius_mm", "less than or equal to 10"),

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cases.base.phrases import NOTHING, Phrase, enumerated, phrase
-from cases.base.units import DEG, Array
+from cases.base.units import Array
 from cases.machine import Frame, turned
 from cases.recording_format import ROLE_OF, ROLE_UNITS, Role
 from cases.schema import Case
@@ -342,8 +342,3 @@ def of_sensor(case: Case) -> Iterator[Hypothesis]:
         vector = np.abs(turn.as_rotvec())
         about_axis = np.count_nonzero(vector > 1e-6) == 1
         yield of_turn(case, turn, mistakes=1.0 if about_axis else 1.2, single=not about_axis)
-
-
-def turns_about_z() -> list[float]:
-    """Angles at which the search for the angle of a sensor on its flange begins [rad]."""
-    return [float(angle) for angle in np.arange(-165.0, 180.1, 15.0) * DEG]

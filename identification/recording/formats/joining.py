@@ -16,7 +16,6 @@ from identification.recording.formats.table import Channel, Stream
 _MOTION: tuple[Channel, ...] = ("drives", "poses", "rotations", "specific_forces")  # whose clock is kept
 _MOST_RATE = 1e-3  # by which two clocks may differ: crystals are within 1e-4
 _SIGNIFICANT = 3.0  # standard deviations of a rate from which on it is a difference of the clocks
-_WIDEST = 5.0  # steps between two samples that may hide the instant of an edge
 
 
 def on_one_axis(streams: Sequence[Stream], stated: Sequence[bool]) -> tuple[list[Stream], tuple[Finding, ...]]:
