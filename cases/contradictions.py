@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.base.errors import Write
 from cases.base.phrases import NOTHING, Phrase, as_it_is, enumerated, phrase
 from cases.base.units import DEG, Array
 from cases.tables import own_units
@@ -62,25 +63,57 @@ class Stated(NamedTuple):
         """What to write instead, where the value is `factor` times as large."""
         if self.summary:
             return phrase("times_that", "{factor} times that", factor=f"{factor:.4g}")
+        return f"{self.key.rpartition('.')[2]} = {_shown(self._meant(factor))}"
+
+    def write(self, factor: float) -> Write | None:
+        """The same as a key with its value; None of what is a sum of several keys."""
+        if self.summary:
+            return None
+        numbers = [float(f"{number:.12g}") for number in np.ravel(self._meant(factor))]
+        return Write(place_of(self.key), numbers[0] if np.ndim(self.value) == 0 else numbers)
+
+    def _meant(self, factor: float) -> Array:
         sizes = np.abs(self.value)
         apart = self.key.startswith("limits.") and sizes.max() > sizes.min() / min(factor, 1.0 / factor) / 3.0
         wrong = sizes * (1 if factor < 1.0 else -1) > np.sqrt(sizes.max() * sizes.min()) * (1 if factor < 1.0 else -1)
-        value = np.where(wrong, self.value * factor, self.value) if apart else self.value * factor
-        return f"{self.key.rpartition('.')[2]} = {_shown(value)}"
+        return np.asarray(np.where(wrong, self.value * factor, self.value) if apart else self.value * factor)
+
+
+Place = tuple[str | int, ...]
+
+
+def place_of(key: str) -> Place:
+    """The place of a dotted key whose lists are counted from 1.
+
+    >>> place_of("limits.motion.joints[2].velocity_deg_s")
+    ('limits', 'motion', 'joints', 1, 'velocity_deg_s')
+    """
+    return tuple(int(part) - 1 if part.isdigit() else part for part in re.findall(r"\w+", key))
 
 
 class Doubt(Phrase):
-    """A sentence on values that are doubtful, with their keys."""
+    """A sentence on values that are doubtful, with their keys, and what it says to write, where keys can."""
 
     keys: tuple[str, ...] = ()
+    writes: tuple[Write, ...] = ()
 
     @classmethod
-    def on(cls, sentence: Phrase, keys: Iterable[str]) -> "Doubt":
-        """Of dotted keys; those of one sum stand in one, with commas."""
+    def on(cls, sentence: Phrase, keys: Iterable[str], writes: Iterable[Write] = ()) -> "Doubt":
+        """Of dotted keys, entries of lists counted from 1; those of one sum stand in one, with commas."""
         doubt = cls(sentence)
         doubt.code, doubt.values, doubt.template = sentence.code, sentence.values, sentence.template
-        doubt.keys = tuple(keys)
+        doubt.keys, doubt.writes = tuple(keys), tuple(writes)
         return doubt
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Places of its values, numbers in lists from 0; several keys of one sum one by one."""
+        apart = list[str]()
+        for key in self.keys:
+            first, *others = key.split(", ")
+            table = first.rpartition(".")[0]
+            apart += [first, *(f"{table}.{other}" for other in others)]
+        return tuple(map(place_of, apart))
 
 
 class Relation(NamedTuple):
@@ -144,7 +177,9 @@ def contradictions(stated: Sequence[Stated], relations: Relations) -> Iterator[D
             break
         concerned = [relation for relation in now if best.concerns(relation)]
         words = _accusation(best, of_key, max(concerned, key=lambda relation: relation.distance))
-        yield Doubt.on(words, best.factors)
+        writes = [of_key[key].write(factor) for key, factor in best.factors.items()]
+        whole = tuple(write for write in writes if write is not None)
+        yield Doubt.on(words, best.factors, whole if len(whole) == len(writes) else ())
         values = best.applied(values)
         now = list(relations(values))
         hypotheses = [other for other in hypotheses if not set(other.factors) & set(best.factors)]

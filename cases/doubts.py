@@ -16,6 +16,7 @@ from cases.chain import Chain, JointMotionLimits
 from cases.contradictions import Doubt, Relation, Stated, Values, contradictions
 from cases.machine import HexapodMachine, MotionLimits, Workspace, turned
 from cases.sensors import RigidBody, SensorFrame, Sensors
+from cases.tables import Vector
 
 OFTEN, WIDELY, LOOSELY = 4.0, 6.0, 8.0  # factors by which figures of sound machines scatter
 SOMEWHAT, HARDLY, NEVER = 2.0, 1.3, 1.1  # the same beyond limits
@@ -408,3 +409,31 @@ TIMES: Mapping[str, tuple[float, float]] = {
     "simulation.force_delay_ms": (0.0, 2.0),
 }
 """Keys of times and rates, and what they have on machines [s, Hz]."""
+
+
+def hardly_meant(chain: Chain | None, machine: HexapodMachine | None, gravity: Vector) -> Iterator[Phrase]:
+    """Sentences on values that are sound on some machines, and a slip on most."""
+    joints = () if chain is None else chain.joints
+    without = [joint.name for joint in joints if joint.link is None]
+    if without and any(joint.torque_Nm or joint.force_N for joint in joints):
+        yield phrase(
+            "torques_limit_nothing",
+            "machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {joints} is not stated; add "
+            "its mass, centre of gravity and inertia",
+            joints=", ".join(without),
+        )
+    if gravity[2] > 0.0:
+        yield phrase(
+            "gravity_points_up",
+            "gravity_m_s2 = {value} points along +z of {{B}}; gravity points down: change its sign, unless the machine "
+            "hangs",
+            value=list(gravity),
+        )
+    if machine is not None and float(np.array(gravity) @ machine.home.vector[:3]) > 0.0:
+        yield phrase(
+            "platform_below_base",
+            "machine.home.z_mm = {height}: the platform is below the base, as gravity_m_s2 = {value} points; change "
+            "the sign of the height, unless the machine hangs",
+            height=f"{machine.home.z_mm:g}",
+            value=list(gravity),
+        )

@@ -71,6 +71,7 @@ def require_flange(flange: Frame | None, tcp: Frame | None) -> None:
         )
 
 
+METRES = 50.0  # times smaller than others: a length that is not in mm, where the machine is singular
 WORST_CONDITION = 1e3  # of six lines, moments divided by the size: beyond it errors are amplified a thousandfold
 
 
@@ -205,13 +206,35 @@ class HexapodMachine(Part):
     @model_validator(mode="after")
     def _stands_firmly(self) -> "HexapodMachine":
         arms = self.platform.points @ turned(self.home.vector[3:]).T
+        cure = phrase("similar_hexagons", "joints of base and platform must not form similar hexagons")
+        sizes = dict(self._sizes())
+        small, large = min(sizes, key=sizes.__getitem__), max(sizes, key=sizes.__getitem__)
+        if 0.0 < sizes[small] < sizes[large] / METRES:
+            cure = phrase(
+                "length_in_metres",
+                "{small} = {size} looks like metres beside {large} = {other}: write {value}",
+                small=small,
+                size=f"{sizes[small]:.4g}",
+                large=large,
+                other=f"{sizes[large]:.4g}",
+                value=f"{1e3 * sizes[small]:.4g}",
+            )
         require_spanning(
             arms,
             self.home.vector[:3] + arms - self.base.points,
             phrase("struts_not_spanning", "the struts do not hold the platform at home: it is singular"),
-            phrase("similar_hexagons", "joints of base and platform must not form similar hexagons"),
+            cure,
         )
         return self
+
+    def _sizes(self) -> Iterator[tuple[str, float]]:
+        """Lengths of the machine by their keys [mm]: how far joints lie from their origin, and {P} from {B}."""
+        for name, joints in (("base", self.base), ("platform", self.platform)):
+            if joints.ring is not None:
+                yield f"machine.{name}.ring.radius_mm", joints.ring.radius_mm
+            else:
+                yield f"machine.{name}.points_mm", float(np.linalg.norm(joints.points, axis=1).max()) / MM
+        yield "machine.home.z_mm", float(np.linalg.norm(self.home.vector[:3])) / MM
 
 
 class KeepOut(Part):
@@ -321,7 +344,7 @@ class StrutLengths(Part):
 
 
 class Workspace(StrutLengths):
-    """What the machine can reach: the paper's is_valid."""
+    """What the machine can reach."""
 
     x_mm: Range
     """Lower and upper limit relative to home."""

@@ -7,12 +7,13 @@ home. Another numbering of the same joints has struts that run the same way roun
 import math
 from collections.abc import Iterator
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from cases.base.errors import Write
 from cases.base.phrases import Phrase, phrase
 from cases.base.units import DEG, MM, Array
 from cases.contradictions import Doubt
@@ -45,7 +46,9 @@ def of_numbering(machine: HexapodMachine) -> Iterator[Doubt]:
         return
     numbered = [found for order in _orders(base, platform) if (found := _numbered(machine, order)) is not None]
     if numbered:
-        corrected, words = min(numbered, key=lambda found: _lengths(found[0], found[0].platform.points).sum())
+        corrected, words, new = min(numbered, key=lambda found: _lengths(found[0], found[0].platform.points).sum())
+        table = _PLACE.split(".") if machine.platform.ring is None else [*_PLACE.split("."), "ring"]
+        writes = [Write((*table, key), value) for key, value in new.items()]
         sentence = phrase(
             "joints_numbered",
             "{place}: struts are {short} to {long} mm long at home, though the joints of base and platform lie "
@@ -57,7 +60,9 @@ def of_numbering(machine: HexapodMachine) -> Iterator[Doubt]:
             keys=words,
             equal=f"{_lengths(corrected, corrected.platform.points).mean() / MM:.2f}",
         )
-        yield Doubt.on(sentence, _keys(machine.platform))
+        keys = _keys(machine.platform)
+        alike = {f"{'.'.join(table)}.{key}" for key in new} <= set(keys)  # else keys of another form have to go
+        yield Doubt.on(sentence, keys, writes if alike else ())
 
 
 def _keys(joints: Joints) -> list[str]:
@@ -93,9 +98,9 @@ def _orders(base: _Hexagon, platform: _Hexagon) -> Iterator[Order]:
         yield order
 
 
-def _numbered(machine: HexapodMachine, order: Order) -> tuple[HexapodMachine, Phrase | str] | None:
-    """The machine with joints of the platform in another order, and how to write it; None where struts are not of one
-    length then, or do not hold the platform.
+def _numbered(machine: HexapodMachine, order: Order) -> tuple[HexapodMachine, Phrase | str, dict[str, Any]] | None:
+    """The machine with joints of the platform in another order, how to write it in words, and by keys; None where
+    struts are not of one length then, or do not hold the platform.
     """
     points = machine.platform.points[order]
     lengths = _lengths(machine, points)
@@ -106,7 +111,8 @@ def _numbered(machine: HexapodMachine, order: Order) -> tuple[HexapodMachine, Ph
         listed = [machine.platform.points_mm[k] for k in order] if machine.platform.points_mm is not None else []
         numbers = ", ".join(str(k + 1) for k in order)
         words: Phrase | str = phrase("points_in_order", "its points in the order {numbers}", numbers=numbers)
-        content: dict[str, object] = {"points_mm": listed}
+        new: dict[str, Any] = {"points_mm": [list(point) for point in listed]}
+        content: dict[str, Any] = dict(new)
     else:
         stated = {"radius_mm": ring.radius_mm, "z_mm": ring.z_mm}
         angles = ring.angles[order] / DEG
@@ -116,7 +122,7 @@ def _numbered(machine: HexapodMachine, order: Order) -> tuple[HexapodMachine, Ph
             key = "half_angle_deg" if ring.included_angle_deg is None else "included_angle_deg"
             size = _rounded(half[0] * (1.0 if ring.included_angle_deg is None else 2.0))
             centres = [_rounded(angle) for angle in (angles[::2] + half) % 360.0]
-            new: dict[str, object] = {key: size, "pair_centres_deg": centres}
+            new = {key: size, "pair_centres_deg": centres}
         else:
             new = {"angles_deg": [_rounded(angle) for angle in angles % 360.0]}
         words = ", ".join(f"{key} = {value}" for key, value in new.items())
@@ -126,7 +132,7 @@ def _numbered(machine: HexapodMachine, order: Order) -> tuple[HexapodMachine, Ph
         again = HexapodMachine(base=machine.base, platform=Joints.model_validate(content), home=home)
     except ValidationError:
         return None
-    return again, words
+    return again, words, new
 
 
 def _rounded(angle: float) -> float:

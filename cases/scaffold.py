@@ -27,6 +27,7 @@ from cases.tolerances import TYPICAL, Tolerances
 from cases.urdf import Arm
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
+_NAME_LINE = re.compile(r"""^name\s*=\s*(?:"[^"]*"|'[^']*')""", re.MULTILINE)  # the first one is of the case itself
 
 _SIMULATED_BODY = (
     "The simulated body is that of [nominal]. A table [simulation.parameters.body] with mass_kg, centre_of_gravity_mm "
@@ -36,21 +37,27 @@ _WIDTH = 110  # characters of a comment
 
 
 def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None) -> Path:
-    """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in; returns its path.
+    """Writes `folder/case.toml`, the case `like` under another name, to be filled in; returns its path.
+
+    A built-in case gets explanations of its keys; a case of one's own is copied as it is.
 
     >>> hx.new_case("mill").as_posix()
     'mill/case.toml'
 
     Args:
         name: small letters, digits and underscores.
+        like: a built-in name, or folder or file of a case.
         folder: folder to make; named after the case unless given.
 
     Raises:
-        CaseError: a name that a case cannot have, or no such built-in case.
+        CaseError: a name that a case cannot have, or no such case.
         FileProblem: the folder holds a case, or cannot be written.
     """
     file = new_place(name, folder)
     case = load_case(like)
+    if like not in built_in_cases():
+        write_text(file, _NAME_LINE.sub(f'name = "{name}"', find_case(like).read_text(encoding="utf-8"), count=1))
+        return file
     lines = _comment(
         f"{name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units. "
         "{B} is the frame of the base, {P} that of the platform. `hexcite case check` says what cannot be, `hexcite "

@@ -93,8 +93,8 @@ class Case(Heading):
     """
 
     setup: Literal["1a", "1b", "2x", "R"]
-    """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, 2x sensors in struts, R a force/torque
-    sensor."""
+    """Where the force sensors are: 1a in a frame that stands still, 1b in the moving platform, 2x in the struts, R one
+    force/torque sensor; the numbers are those of the paper's Figure 1."""
     gravity_m_s2: Vector
     """Gravitational acceleration in {B}."""
     template: str | None = None
@@ -360,6 +360,11 @@ class Case(Heading):
         carried = doubts.Carried(dict(self._bodies()), self._size, frame, self.gravity, self._turns())
         doubtful += doubts.of_loads(carried, self.sensors)
         return (*self._earlier, *doubtful, *doubts.of_times({key: self._stated(key) for key in doubts.TIMES}))
+
+    @property
+    def remarks(self) -> tuple[Phrase, ...]:
+        """What a person should look at: values that are hardly meant, then the doubts."""
+        return (*doubts.hardly_meant(self.chain, self.hexapod, self.gravity_m_s2), *self.doubts)
 
     def _bodies(self) -> Iterator[tuple[str, RigidBody]]:
         """Bodies of the case with their tables."""

@@ -72,7 +72,9 @@ def show(
 @app.command("new")
 def new(
     name: Annotated[str, argument("Name of the machine: small letters, digits and underscores.")],
-    like: Annotated[str | None, option("Built-in case to begin from; hexapod by default.", "--like")] = None,
+    like: Annotated[
+        str | None, option("Case to begin from: built in (hexapod by default), or one of your own.", "--like")
+    ] = None,
     urdf: Annotated[Path | None, option("Robot to begin from: a URDF file.", "--urdf")] = None,
     flange: Annotated[str | None, option("Link of the URDF that carries the sensor.", "--flange")] = None,
     sensor: Annotated[
@@ -90,7 +92,7 @@ def new(
     """
 
     if urdf is not None and like is not None:
-        raise typer.BadParameter("a case begins from a built-in case or from a URDF file; give --like or --urdf")
+        raise typer.BadParameter("a case begins from another case or from a URDF file; give --like or --urdf")
     if urdf is None and (bodies or (flange or sensor) is not None):
         raise typer.BadParameter("--flange, --sensor and --bodies are about a URDF file; give --urdf too")
     if urdf is None:

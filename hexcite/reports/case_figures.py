@@ -86,7 +86,7 @@ def leftovers(case: Case) -> tuple[Phrase, ...]:
     """Sentences about values that the user should look at, each with its key."""
     if case.name in built_in_cases() and case == load_case(case.name):
         return ()
-    return (*_of_the_template(case), *_of_single_values(case), *case.doubts)
+    return (*_of_the_template(case), *case.remarks)
 
 
 def _of_the_template(case: Case) -> Iterator[Phrase]:
@@ -153,23 +153,3 @@ def _by_table(leaves: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         table = max((t for t in _TABLES if key.startswith(f"{t}.")), key=len)
         tables.setdefault(table, {})[key.removeprefix(f"{table}.")] = value
     return tables
-
-
-def _of_single_values(case: Case) -> Iterator[Phrase]:
-    """Sentences on limits and gravity that are hardly meant."""
-    joints = () if case.chain is None else case.chain.joints
-    without = [joint.name for joint in joints if joint.link is None]
-    if without and any(joint.torque_Nm or joint.force_N for joint in joints):
-        yield phrase(
-            "torques_limit_nothing",
-            "machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {joints} is not stated; add "
-            "its mass, centre of gravity and inertia",
-            joints=", ".join(without),
-        )
-    if case.gravity[2] > 0.0:
-        yield phrase(
-            "gravity_points_up",
-            "gravity_m_s2 = {value} points along +z of {{B}}; gravity points down: change its sign, unless the machine "
-            "hangs",
-            value=list(case.gravity_m_s2),
-        )

@@ -74,6 +74,8 @@ CHECKED = {
     "{joints} ist nicht angegeben; Masse, Schwerpunkt und Trägheit ergänzen",
     "gravity_points_up": "gravity_m_s2 = {value} zeigt entlang +z von {{B}}; die Schwerkraft zeigt nach unten: das "
     "Vorzeichen ändern, wenn die Maschine nicht hängt",
+    "platform_below_base": "machine.home.z_mm = {height}: die Plattform ist unter der Basis, denn dorthin zeigt "
+    "gravity_m_s2 = {value}; das Vorzeichen der Höhe ändern, wenn die Maschine nicht hängt",
 }
 """Remarks of a check."""
 
@@ -82,6 +84,7 @@ WRONG = {
     "joint_names": "Namen haben Buchstaben, Ziffern und _ . / -, darunter einen Buchstaben",
     "struts_not_spanning": "die Streben halten die Plattform in der Grundstellung nicht: sie ist singulär",
     "similar_hexagons": "die Gelenke von Basis und Plattform dürfen keine ähnlichen Sechsecke bilden",
+    "length_in_metres": "{small} = {size} sieht neben {large} = {other} nach Metern aus: {value} schreiben",
     "joint_name": "ein Name: {words}",
     "a_ros_name": "ein Name: Buchstaben, Ziffern und _, ein Buchstabe zuerst",
     "name_of_ros": "ein Name von ROS",

@@ -90,3 +90,13 @@ def test_the_simulated_body_is_the_nominal_one_unless_another_is_stated(tmp_path
         load_case(str(file))
     assert "nominal.mass_kg" in str(refused.value)
     assert "simulation" not in str(refused.value)
+
+
+def test_a_case_of_ones_own_is_copied_with_its_comments(tmp_path: Path) -> None:
+    first = new_case("mill", "hexapod", tmp_path / "mill")
+    first.write_text(first.read_text().replace("radius_mm = 700.0", "radius_mm = 702.5") + "# checked on Monday\n")
+    for like in (first, first.parent):
+        copy = new_case(f"mill_{len(str(like))}", str(like), tmp_path / f"copy{len(str(like))}")
+        changed = [(a, b) for a, b in zip(first.read_text().splitlines(), copy.read_text().splitlines(), strict=True)]
+        assert [b for a, b in changed if a != b] == [f'name = "mill_{len(str(like))}"']
+        assert load_case(str(copy)).name == f"mill_{len(str(like))}"

@@ -97,7 +97,10 @@ function playerOf(div) {
     moving = scene.parts.map((part, k) => [part, k + still.length]).filter(([part]) => !stands(part));
     return [...still, ...scene.parts.map((part) => trace(part, 0)), ...(scene.labels.length ? [named()] : [])];
   };
-  const axis = (title, range) => ({ title: { text: title }, range, autorange: false });
+  const axis = (title, k) => { // with as many ticks as a side of this length has room for
+    const lengths = scene.ends.map(([low, high]) => high - low), share = lengths[k] / Math.max(...lengths);
+    return { title: { text: title }, range: scene.ends[k], autorange: false, nticks: Math.max(2, Math.round((alone() || narrow.matches ? 4 : 7) * share)) };
+  };
   const aspect = () => { // as mode "data" has it, which fails where all points lie in a plane
     const lengths = scene.ends.map(([low, high]) => high - low);
     const [x, y, z] = lengths.map((length) => length / Math.cbrt(lengths[0] * lengths[1] * lengths[2]));
@@ -112,7 +115,7 @@ function playerOf(div) {
       scene: {
         aspectmode: "manual", aspectratio: aspect(), uirevision: "keep",
         camera: { eye: { x: 1.35 * far, y: -1.6 * far, z: 0.7 * far }, center: { x: 0, y: 0, z: -0.2 } },
-        xaxis: axis("x [mm]", scene.ends[0]), yaxis: axis("y [mm]", scene.ends[1]), zaxis: axis("z [mm]", scene.ends[2]),
+        xaxis: axis("x [mm]", 0), yaxis: axis("y [mm]", 1), zaxis: axis("z [mm]", 2),
       },
     };
   };
