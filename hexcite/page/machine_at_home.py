@@ -26,6 +26,7 @@ from identification.limits.hexapod import LimitedHexapod
 from identification.limits.limit import LimitKind, Quantity
 from identification.motion.motion import StandingPoses
 
+AT_HOME = "of det J^-1 at home"  # end of the unit of what counts from home
 CLOSE = 0.9  # share of a limit from which it is marked
 MOST_ROWS = 6
 TURN = 180.0  # [deg] to either side of a joint without ends that a slider offers
@@ -65,6 +66,8 @@ def near(case: Case | None, chain: Chain | None) -> tuple[Near, ...]:
     rows = []
     for quantity in _quantities(case, chain):
         kind = quantity.of.kind
+        if kind.unit.endswith(AT_HOME):
+            continue  # it is what it is compared with
         every = range(quantity.ratio.shape[1])
         for k in every if kind.least else [int(np.argmax(quantity.ratio[0]))]:
             label = quantity.labels[k] if quantity.labels else ""

@@ -32,7 +32,7 @@ from hexcite.page.journal import Address, keep_address
 from hexcite.page.refusals import NoRecording, Refusal, RefusedFields
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
 from hexcite.page.stages import BAG_INDEX, PROGRAMS, RECORDINGS, STAGES, machine_of
-from hexcite.page.words import Words
+from hexcite.page.words import CONTROLS, Words
 from hexcite.texts import LANGUAGES, Language, language_of, text
 from hexcite.texts.decimals import page_with_commas
 
@@ -142,6 +142,7 @@ class _Page:
         content = {name: (resources.files(__package__) / "templates" / name).read_bytes() for name in STATIC}
         self.static_files = {name: (data, hashlib.sha256(data).hexdigest()[:12]) for name, data in content.items()}
         self.templates.globals["version"] = {name: version for name, (_, version) in self.static_files.items()}
+        self.templates.filters["control"] = lambda name: CONTROLS.get(name, name)
         self.templates.filters["quoted"] = lambda name: quote(str(name), safe="")
 
     async def warmed(self) -> None:
@@ -202,7 +203,8 @@ class _Page:
         return await self._stage(request, context, stage)
 
     async def _stage(self, request: Request, context: Context, stage: str, status: int = 200, **more: Any) -> Response:
-        jobs = self._panels(request, self.jobs.of(context.machine.key, stage))
+        changed = context.machine.file.stat().st_mtime
+        jobs = self._panels(request, self.jobs.of(context.machine.key, stage), changed)
         query = dict(request.query_params)
         language = self._language(request)
         self.answering += 1
@@ -331,17 +333,21 @@ class _Page:
         name = self.runs.end(request.path_params["name"], self.jobs.outputs)
         return JSONResponse({"name": name}) if name else JSONResponse({"error": "name"}, 409)
 
-    def _panels(self, request: Request, jobs: list[Job]) -> list[dict[str, Any]]:
+    def _panels(self, request: Request, jobs: list[Job], changed: float = 0.0) -> list[dict[str, Any]]:
         """Panels of jobs as they are now: one that ends while its stage is drawn is not over there, whose answer is
         not either, and the browser goes on following it.
-        """
-        return [{"job": job, "over": job.over, "html": self._panel(request, job)} for job in jobs]
 
-    def _panel(self, request: Request, job: Job) -> Any:
+        Args:
+            changed: when the case was, since the epoch [s]: what was refused before may be true no longer.
+        """
+        return [{"job": job, "over": job.over, "html": self._panel(request, job, changed)} for job in jobs]
+
+    def _panel(self, request: Request, job: Job, changed: float = 0.0) -> Any:
         from markupsafe import Markup
 
         values = views.job(job, self._language(request))
-        return Markup(self._rendered(request, "job.html.jinja", job=job, **values))
+        old = job.state == "failed" and job.finished < changed
+        return Markup(self._rendered(request, "job.html.jinja", job=job, old=old, **values))
 
     def _job(self, request: Request) -> Job:
         job = self.jobs.get(request.path_params["number"])

@@ -181,8 +181,10 @@ class Workspace:
     def state(self, stage: str) -> str:
         """How a stage stands: done, open (the next to do), stale, or closed (something before it is missing)."""
         case = self.machine.case
-        if stage == "machine":
-            return "open" if case is None or case.template is not None else "done"  # values of the example are left
+        if stage == "machine":  # values of the example are left, or a plan needs more
+            described = case is not None and (case.chain is not None or case.hexapod is not None)
+            lacks = described and self.machine.own and self.machine.lacks("plan")
+            return "open" if case is None or case.template is not None or lacks else "done"
         if case is None:
             return "closed"
         if stage == "plan":

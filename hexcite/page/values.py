@@ -4,7 +4,7 @@ import copy
 import hashlib
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 
 from cases.base.atomic import atomic_file
 from cases.base.errors import CaseError, HexciteError, Write
-from cases.base.phrases import said
+from cases.base.phrases import Phrase, said
 from cases.base.text_formats import toml_value
 from cases.contradictions import Doubt
 from cases.editing import Place, at, case_of_text, with_values, write_keys
+from cases.readiness import readiness
 from cases.schema import Case
 from cases.tables import CASE_FILE, Part, is_needed
 from hexcite.page.keys import (
@@ -62,6 +63,11 @@ class Entry:
     doubts: tuple[str, ...] = ()
     owners: tuple[str, ...] = ()
 
+    @property
+    def around(self) -> str:
+        """The table that it stands in, in words: of a letter that says nothing alone."""
+        return re.sub(r"\[\d+\]", "", self.name.split(".")[-2]).replace("_", " ") if "." in self.name else self.noun
+
 
 @dataclass(frozen=True)
 class Section:
@@ -72,6 +78,12 @@ class Section:
     entries: tuple[Entry, ...]
     more: tuple[Entry, ...] = ()
     owners: tuple[str, ...] = ()
+
+    @property
+    def nouns(self) -> tuple[str, ...]:
+        """What is in it; of what may be added where there is nothing else."""
+        shown = self.entries or self.more
+        return tuple(dict.fromkeys(entry.noun if len(entry.noun) > 1 else entry.around for entry in shown))
 
     @property
     def calls(self) -> bool:
@@ -113,13 +125,28 @@ def sections(content: str, case: Case | None) -> tuple[Section, ...]:
                 mark = "typical" if _usual(data, example, place, part) == value else "mine"
             entries.setdefault(_table_of(place)[0], []).append(_entry(place, value, part, mark, doubts))
     nominal = data.get("nominal") or {}
+    lacks = () if case is None else readiness(case)["plan"]
     for place, value in missing(data, case, content).items():
         entry = _entry(place, value, part_of(place[:-1], data), "missing")
+        if not _asked(place[:-1], data, lacks):
+            entry = replace(entry, needed=False)
         if place[:-1] == SIMULATED_BODY and place[-1] in nominal:
             entry = replace(entry, needed=False)  # not stated, it is that of [nominal]
         more.setdefault(_table_of(place)[0], []).append(entry)
     tables = dict.fromkeys([*entries, *more])
     return tuple(_section(name, data, entries.get(name, ()), more.get(name, ())) for name in tables)
+
+
+def _asked(table: Place, data: Mapping[str, Any], lacks: Iterable[str]) -> bool:
+    """Whether a case has a table, or a plan needs it, so that keys which it cannot do without are to be stated."""
+    if at(data, table) is not None:
+        return True
+    for lack in (place for place in map(_place, lacks) if place == table[: len(place)]):
+        part, inner = part_of(lack, data), table[len(lack) : len(lack) + 1]
+        field = part.model_fields.get(str(inner[0])) if part is not None and inner else None
+        if not inner or (field is not None and field.is_required()):
+            return True
+    return False
 
 
 def _usual(data: Mapping[str, Any], example: Mapping[str, Any], place: Place, part: type[Part]) -> Any:
@@ -132,12 +159,7 @@ def _usual(data: Mapping[str, Any], example: Mapping[str, Any], place: Place, pa
 def _entry(place: Place, value: Any, part: type[Part] | None, mark: str, doubts: Iterable[Doubt] = ()) -> Entry:
     key = str(place[-1])
     value_text = "" if value is None else value if isinstance(value, str) else toml_value(value)
-    dotted = re.sub(r"\[\d+\]", "", named(place))
-    doubts_of_key = tuple(
-        doubt
-        for doubt in doubts
-        if any(named(place) == of or dotted == re.sub(r"\[\d+\]", "", of) for of in _keys(doubt))
-    )
+    doubts_of_key = tuple(doubt for doubt in doubts if place in doubt.places)
     listed = isinstance(value, list) and all(isinstance(each, str) for each in value)
     choices = ("true", "false") if isinstance(value, bool) else () if listed else choices_of(part, key)
     ways = () if isinstance(value, str) else spellings(key, () if part is None else part.model_fields.keys())
@@ -147,16 +169,6 @@ def _entry(place: Place, value: Any, part: type[Part] | None, mark: str, doubts:
     return Entry(
         named(place), key, noun(key), str(value_text), words, mark, choices, ways, needed, doubts_of_key, _owners(part)
     )
-
-
-def _keys(doubt: Doubt) -> list[str]:
-    """Keys of a doubt one by one: of those that it is about together, each with the table that they share."""
-    keys = list[str]()
-    for key in doubt.keys:
-        table, _, _ = key.partition(",")[0].rpartition(".")
-        first, *others = key.split(", ")
-        keys += [first, *(f"{table}.{other}" for other in others)]
-    return keys
 
 
 def named(place: Place) -> str:
@@ -204,6 +216,28 @@ def edited(content: str, fields: Mapping[str, str], file: Path = Path(CASE_FILE)
         return Written(with_values(file, content, tables), converted)
     except HexciteError as error:
         raise Refused.of(error.sentences) from error
+
+
+class Remark(NamedTuple):
+    """A sentence on a case, names of the fields that it is about, and texts of fields that it proposes."""
+
+    sentence: str
+    fields: tuple[str, ...]
+    take: Mapping[str, str]
+
+
+def remarks(case: Case | None, data: Mapping[str, Any]) -> tuple[Remark, ...]:
+    """What a person should look at in a case, with the fields of its form."""
+    there = {place for place, _ in leaves((), data)}
+    return tuple(_remark(each, there) for each in (() if case is None else case.remarks))
+
+
+def _remark(sentence: Phrase, there: Collection[Place]) -> Remark:
+    if not isinstance(sentence, Doubt):
+        return Remark(sentence, (), {})
+    take = {named(write.place): toml_value(write.value) for write in sentence.writes if write.place in there}
+    fields = tuple(named(place) for place in sentence.places if place in there)
+    return Remark(sentence, fields, take if len(take) == len(sentence.writes) else {})
 
 
 class Changed(NamedTuple):
@@ -377,28 +411,53 @@ def _list(text: str, before: Any) -> str:
     return f"[{', '.join(parts)}]" if len(parts) > 1 and all(map(_NUMBER.fullmatch, parts)) else text
 
 
-def case_of(content: str, file: Path) -> Case:
-    """The case of a text that is not written yet; raises Refused, which names the file that it is for."""
+def case_of(content: str, file: Path, given: Collection[str] = ()) -> Case:
+    """The case of a text that is not written yet; raises Refused, which names the file that it is for.
+
+    Args:
+        given: names of the form's fields.
+    """
     try:
         return case_of_text(content, Path(file.parent.name, CASE_FILE))
     except CaseError as error:
-        raise at_fields(content, error) from error
+        raise at_fields(tomllib.loads(content), error, given) from error
     except HexciteError as error:
         raise Refused.of(error.sentences) from error
 
 
-def at_fields(content: str, error: CaseError) -> RefusedFields:
-    """The problems of a case at the fields that they are about; what is about none has its file before it."""
-    names = {named(place) for place, _ in leaves((), tomllib.loads(content))}
+def at_fields(data: Mapping[str, Any], error: CaseError, given: Collection[str] = ()) -> RefusedFields:
+    """The problems of a case at the fields that they are about; what is about none has its file before it.
+
+    Args:
+        data: tables of the case, with what was typed.
+        given: names of the form's fields, `w.NAME` those of keys that were not there.
+    """
+    names = {named(place): place for place, _ in leaves((), data)}
     fields, others = dict[str, Refusal](), list[Refusal]()
     for problem, sentence in zip(error.problems or ("",), error.sentences, strict=False):
         key = re.sub(r"\[(\d+)\]", lambda number: f"[{int(number[1]) - 1}]", problem.partition(": ")[0])
-        name = next((each for each in (key, key.rpartition("[")[0]) if each in names), "")
-        if name and f"v.{name}" not in fields:
-            fields[f"v.{name}"] = Refused("", sentence=said(problem), name=problem.partition(": ")[0])
+        inside = re.findall(r"[a-z_0-9]+(?:\.[A-Za-z_0-9]+)+", problem)  # of a whole table: a value that it names
+        of_entry = _of_entry(data, key, problem.partition(": ")[2])
+        name = next((each for each in (key, key.rpartition("[")[0], of_entry, *inside) if each in names), "")
+        field = f"w.{name}" if f"w.{name}" in given and f"v.{name}" not in given else f"v.{name}"
+        if name and field not in fields:
+            fields[field] = Refused("", sentence=said(problem), name=problem.partition(": ")[0])
         else:
             others.append(Refused("", sentence=sentence))
     return RefusedFields(fields, others)
+
+
+def _of_entry(data: Mapping[str, Any], table: str, problem: str) -> str:
+    """The value that a problem of a named entry is about: one that it names, else the entry's range; empty for none."""
+    table = re.sub(r"\[.*\]$", "", table)
+    entries = at(data, _place(table)) if table else None
+    name, _, words = problem.partition(" ")
+    for k, entry in enumerate(entries if isinstance(entries, list) else ()):
+        if isinstance(entry, Mapping) and entry.get("name") == name.rstrip(":"):
+            key = next((key for key in entry if key in words), None)
+            key = key or next((key for key in entry if key.startswith("position_")), "")
+            return f"{table}[{k}].{key}"
+    return ""
 
 
 def save(file: Path, content: str) -> None:

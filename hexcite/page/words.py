@@ -20,6 +20,12 @@ from identification.limits.limit import LimitKind
 from identification.recording.formats.reasons import Why
 from identification.texts import begun, parameter_words
 
+CONTROLS = {
+    "linuxcnc": "LinuxCNC", "sinumerik": "SINUMERIK", "twincat": "TwinCAT", "urscript": "URScript", "ros2": "ROS 2",
+    "setpoints": "set points (CSV)",
+}  # fmt: skip
+"""Names of controllers as their makers write them."""
+
 
 @dataclass(frozen=True)
 class Words:
@@ -80,10 +86,6 @@ class Words:
     def place(self, place: str) -> str:
         """A strut, joint or sensor with its number, or the name of a body."""
         return place if self._own else place_words(place)
-
-    def unit(self, unit: str) -> str:
-        """A unit beside a value at home, where shares of what is at home are shares."""
-        return unit.removesuffix(" of det J^-1 at home")
 
     def status(self, status: str) -> str:
         """Who ensures a limit."""
@@ -189,10 +191,6 @@ class Words:
         if english == NO_TITLE:
             return escape(self.say("no_title"))
         return escape(english if self._own else german.TITLES.get(machine, english))
-
-    def target(self, target: str, english: str) -> str:
-        """What an export is."""
-        return english if self._own else german.TARGETS.get(target, english)
 
     def refused(self, refusal: Refusal) -> Markup:
         """What the page refuses."""

@@ -194,13 +194,3 @@ TITLES = {
     "ur10_wrist": "UR10e mit sechsachsigem Kraft-Momenten-Sensor am Flansch",
 }
 """Built-in machines."""
-
-TARGETS = {
-    "python": "ein Modul, das NumPy braucht",
-    "json": "das ganze Modell",
-    "fanuc": "PAYLOAD SET, zum Eintippen",
-    "table": "zum Eintippen: FANUC und andere",
-    "linuxcnc": "HAL-Komponente",
-    "ft-tools": "Kalibrierung von ft_tools",
-}
-"""Exports whose description is words and no name."""

@@ -157,8 +157,8 @@ NOUNS: dict[str, str] = {
 KEYS: dict[str, str] = {
     "Heading.title": "Was es ist, in einer Zeile.",
     "Case.setup": (
-        "Bild 1 des Aufsatzes: 1a das Sensorsystem steht, 1b es bewegt sich, 2x Sensoren in den Streben, R ein "
-        "Kraft-Momenten-Sensor."
+        "Wo die Kraftsensoren sind: 1a in einem Gestell, das steht, 1b in der bewegten Plattform, 2x in den Streben, "
+        "R ein Kraft-Momenten-Sensor; die Nummern sind die in Bild 1 des Aufsatzes."
     ),
     "Case.gravity_m_s2": "Fallbeschleunigung in {B}.",
     "Joints.points_mm": "[x, y, z] jedes Gelenks, in der Reihenfolge der Streben.",
@@ -649,7 +649,7 @@ TABLES: dict[str, str] = {
     "HexapodMachine": "Ein Hexapod: Strebe k verbindet Basisgelenk k mit Plattformgelenk k.",
     "SerialMachine": "Eine Kette von Gelenken.",
     "Pose": "Eine Pose der Plattform.",
-    "Workspace": "Was die Maschine erreichen kann: is_valid des Aufsatzes.",
+    "Workspace": "Was die Maschine erreichen kann.",
     "MotionLimits": (
         "Der Bereich, in dem Bewegungen bleiben: Pose relativ zur Grundstellung und ihre Ableitungen, jede "
         "Koordinate. Die Grundstellung darf auf seinem Rand liegen. Von Winkelbeschleunigung und Winkelruck ist je "

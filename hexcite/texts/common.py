@@ -34,6 +34,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Residuen weit über dem Rauschen haben eine Ursache: Vertauschte Kanäle, Einheiten, Uhren, Maße werden "
         "nacheinander versucht; das dauert bis zu einer Minute.",
     ),
+    "refused_before": (
+        "The machine was changed since; this was said of it before",
+        "Die Maschine wurde seither geändert; dies galt vorher",
+    ),
     "stopped": ("stopped; nothing was written", "angehalten; nichts wurde geschrieben"),
     "killed": (
         "ended from outside; what was finished before is there",

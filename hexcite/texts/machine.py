@@ -35,8 +35,20 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Name ihres Ordners: Kleinbuchstaben, Ziffern und Unterstriche; aus HX-260 wird hx_260",
     ),
     "begin_like": (
-        "Begin from the machine that is most like it; you replace its values by those of your drawing",
-        "Mit der ähnlichsten Maschine beginnen; ihre Werte ersetzen Sie durch die Ihrer Zeichnung",
+        "Which one is most like it? You replace its values by those of your drawing; what counts is where the force "
+        "sensors are.",
+        "Welche ist ihr am ähnlichsten? Ihre Werte ersetzen Sie durch die Ihrer Zeichnung; entscheidend ist, wo die "
+        "Kraftsensoren sitzen.",
+    ),
+    "copy_of": ("A copy of {what}", "Eine Kopie von {what}"),
+    "sensors_1a": ("Sensors in a frame that stands still", "Sensoren in einem Gestell, das stillsteht"),
+    "sensors_1b": ("Sensors in the moving platform", "Sensoren in der bewegten Plattform"),
+    "sensors_2x": ("Sensors in the struts", "Sensoren in den Streben"),
+    "sensors_R": ("One force/torque sensor", "Ein Kraft-Momenten-Sensor"),
+    "controls": ("Programs for", "Programme für"),
+    "no_motion": (
+        "No motion is planned: recordings are evaluated.",
+        "Keine Bewegung wird geplant: Aufzeichnungen werden ausgewertet.",
     ),
     "begin_urdf": ("Or begin from the URDF file of a robot", "Oder mit der URDF-Datei eines Roboters beginnen"),
     "flange": (
@@ -68,7 +80,6 @@ TEXTS: dict[str, tuple[str, str]] = {
     "column_acceleration": ("acceleration", "Beschleunigung"),
     "column_jerk": ("jerk", "Ruck"),
     "make": ("Make it", "Anlegen"),
-    "setup": ("Setup", "Aufbau"),
     "problem": ("This case cannot be read", "Diese Maschine ist nicht lesbar"),
     "from_above": ("from above, mm", "von oben, mm"),
     "from_side": ("from the side, mm", "von der Seite, mm"),
@@ -78,8 +89,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "values": ("Values", "Werte"),
     "values_note": (
-        "Keys carry units. The picture follows while you type; nothing is written before you save.",
-        "Die Schlüssel nennen die Einheit. Das Bild folgt der Eingabe; geschrieben wird erst beim Speichern.",
+        "The picture follows while you type; nothing is written before you save. {B} are the axes of the base, "
+        "{P} those of the platform or sensor.",
+        "Das Bild folgt der Eingabe; geschrieben wird erst beim Speichern. {B} sind die Achsen der Basis, {P} die "
+        "der Plattform oder des Sensors.",
     ),
     "save": ("Save", "Speichern"),
     "saved": ("Saved.", "Gespeichert."),
@@ -156,6 +169,16 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Zwei Gelenke eines Paars: Der halbe Winkel reicht von der Mitte des Paars zum Gelenk, der ganze von Gelenk "
         "zu Gelenk.",
     ),
+    "numbers_sketch": (
+        "Strut 1 leads from joint 1 of the base to joint 1 of the platform, and so on. Joints 1 and 2 are a pair on "
+        "the base; on the platform they mostly lie far apart, and it is 2 and 3 that lie close. State the angle "
+        "between 1 and 2 for both.",
+        "Strebe 1 führt von Gelenk 1 der Basis zu Gelenk 1 der Plattform und so weiter. 1 und 2 sind auf der Basis ein "
+        "Paar; auf der Plattform liegen sie meist weit auseinander, und 2 und 3 liegen nah beieinander. Für beide ist "
+        "der Winkel zwischen 1 und 2 anzugeben.",
+    ),
+    "holds": ("Holds:", "Enthält:"),
+    "take": ("Take", "Übernehmen:"),
     "converted": ("In the file: {what}", "In der Datei: {what}"),
     "refused_fields": (
         "{count} of the values below cannot be, and nothing was written; why stands at each:",

@@ -9,13 +9,13 @@ from urllib.parse import quote
 
 from cases.base.errors import HexciteError, Write
 from cases.editing import write_keys
-from cases.tables import built_in_cases
+from cases.tables import CASE_FILE, built_in_cases
 from hexcite.page import forms, joint_table, values
 from hexcite.page.actions.common import Action, Context, job_of
 from hexcite.page.forms import Fields, chosen, field
 from hexcite.page.jobs import Job
 from hexcite.page.refusals import Refusal, Refused, Unfit
-from hexcite.page.stages import Workspace
+from hexcite.page.stages import Workspace, own_machines
 
 
 def _check(context: Context, there: Workspace, fields: Fields) -> Job:
@@ -45,7 +45,7 @@ def _mine(context: Context, there: Workspace, fields: Fields) -> Job:
 
 
 def new(root: Path, fields: Fields) -> Job:
-    """`hexcite case new`, from a built-in case or from a URDF file of the root."""
+    """`hexcite case new`, from a case, built in or of the root, or from a URDF file of the root."""
     name = field(fields, "name")
     if not name or name.startswith("-") or "/" in name or "\\" in name or len(name) > 100:
         raise Unfit("no_machine_name", name=name)
@@ -57,8 +57,8 @@ def new(root: Path, fields: Fields) -> Job:
         bodies = ["--bodies"] if field(fields, "bodies") else []
         command = ["case", "new", name, "--urdf", forms.place(urdf), *links, *bodies]
     else:
-        chosen(fields, "like", built_in_cases())
-        command = ["case", "new", name, "--like", like]
+        chosen(fields, "like", [*built_in_cases(), *(machine.key for machine in own_machines(root))])
+        command = ["case", "new", name, "--like", f"{like[1:]}/{CASE_FILE}" if like.startswith("+") else like]
     return Job("", "machine", tuple(command), output=name, goto=f"/m/+{quote(name)}/machine")
 
 
@@ -86,12 +86,12 @@ def save(context: Context, fields: Fields) -> Saved:
     if values.digest(content) != field(fields, "digest"):
         return Saved(Refused("changed_elsewhere"))
     try:
-        written = values.edited(content, given_values(fields), context.machine.file)
+        written = values.edited(content, given := given_values(fields), context.machine.file)
     except Refused as error:
         return Saved(error)
     if context.machine.case is not None:  # one that cannot be read yet is filled in step by step
         try:
-            values.case_of(written.text, context.machine.file)
+            values.case_of(written.text, context.machine.file, given)
         except Refused as error:
             return Saved(error)
     values.save(context.machine.file, written.text)

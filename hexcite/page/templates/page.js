@@ -209,6 +209,7 @@ if (form) {
       before.classList.add("before");
       place.prepend(before);
     }
+    document.getElementById("remarks")?.remove(); // those on what is typed stand beside the pictures
     refused = JSON.parse(document.getElementById("refused").textContent || "{}");
     mark();
   };
@@ -276,6 +277,17 @@ if (form) {
       mover.dispatchEvent(new Event("input"));
     });
   }
+  document.addEventListener("click", (event) => { // a proposal becomes what is typed
+    const take = JSON.parse(event.target.closest("[data-take]")?.dataset.take ?? "{}");
+    for (const [name, value] of Object.entries(take)) {
+      const field = fieldOf(name), unit = form.elements["u." + name];
+      if (unit) unit.selectedIndex = 0;
+      field.value = value;
+      opened(field);
+      field.dispatchEvent(new Event("input", { bubbles: true }));
+      field.focus();
+    }
+  });
   form.addEventListener("input", (event) => { // what is typed for a key that is not there switches it on
     const name = event.target.name ?? "";
     const column = event.target.dataset?.column;

@@ -4,23 +4,49 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 from markupsafe import Markup
 
+from cases.readiness import languages_of
 from hexcite.page import drawing
 from hexcite.page.actions.common import Context
 from hexcite.page.jobs import Job
-from hexcite.page.stages import STAGES, built_in, own_machines, workspace
+from hexcite.page.stages import STAGES, Machine, built_in, own_machines, workspace
 from hexcite.page.words import Words
 from hexcite.texts import Language, text
+
+
+class Example(NamedTuple):
+    """A built-in machine that others may begin from.
+
+    Args:
+        picture: from the side; empty of sensors without a machine.
+        controls: whose programs can be written.
+    """
+
+    machine: Machine
+    picture: Markup
+    controls: tuple[str, ...]
+
+    @classmethod
+    def of(cls, machine: Machine) -> Self:
+        """Of a machine."""
+        planned = not machine.lacks("plan") and machine.case is not None
+        picture = drawing.views(machine.case).side if planned and machine.case is not None else Markup("")
+        controls = languages_of(machine.case) if planned and machine.case is not None else ()
+        return cls(machine, picture, tuple(each for each in controls if each != "virtual"))
+
+    def rank(self) -> tuple[bool, bool]:
+        """Of hexapods, then other machines, then sensors alone."""
+        return not self.controls, self.machine.case is None or self.machine.case.hexapod is None
 
 
 def machines(root: Path) -> dict[str, Any]:
     """Machines to choose from, and the URDF files to begin from."""
     return {
         "own": own_machines(root),
-        "built_in": built_in(),
+        "built_in": sorted(map(Example.of, built_in()), key=Example.rank),
         "urdfs": sorted(file.name for file in root.glob("*.urdf") if file.is_file()),
     }
 

@@ -18,10 +18,12 @@ from hexcite.page import drawing, joint_table, values
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.machine import given_values
 from hexcite.page.forms import Fields
+from hexcite.page.jobs import Job
 from hexcite.page.machine_at_home import chain_in, near, scene_of, scene_of_links, sensor_angles, sliders
 from hexcite.page.refusals import Refused
 from hexcite.page.stages import Machine, Workspace, case_key, case_of
 from hexcite.page.views.common import Query
+from hexcite.page.words import Words
 from hexcite.reports.page import script_json
 
 _SENSOR = re.compile(r"(?:^|_)(?:fts?\d*|force|torque|wrench|sensor)(?:_|\d|$)")  # names of a sensor's link
@@ -32,10 +34,13 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     machine = context.machine
     content = machine.file.read_text(encoding="utf-8", errors="replace")
     check = context.jobs.latest(machine.key, "case", "check")
+    if check is not None and check.over and check.finished < machine.file.stat().st_mtime:
+        check = None  # of other values than those that stand there now
     sections = _sections(content, *case_key(machine))
     joints, others = joint_table.cut_out(sections)
     data = _tables(content)
     chain = chain_in(data)
+    remarks = _said(context.words, values.remarks(machine.case, data))
     return {
         "saved": query.get("saved") == "1",
         "digest": values.digest(content),
@@ -46,11 +51,27 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "examples": sum(entry.mark == "example" for section in sections for entry in section.entries),
         **_lacking(machine, sections),
         "checked": check.answer if check is not None else None,
-        "doubts": machine.case.doubts if machine.case is not None else (),
+        "remarks": remarks,
+        "checked_remarks": _others(context.words, check, remarks),
         "homes": () if chain is None else sliders(chain),
         "angles": () if chain is None else sensor_angles(chain),
         **drawn(machine.case, data),
     }
+
+
+def _said(words: Words, remarks: Sequence[values.Remark]) -> tuple[values.Remark, ...]:
+    """Remarks in the language of the page."""
+    return tuple(each._replace(sentence=words.quoted(each.sentence)) for each in remarks)
+
+
+def _others(words: Words, check: Job | None, remarks: Sequence[values.Remark]) -> list[Markup]:
+    """What a check remarks besides: what the stage shows anyway, and values of the example, which are marked, go."""
+    answer = (check.answer if check is not None else None) or {}
+    codes = ("tables_of_template", "keys_of_template")
+    phrases = [each for each in answer.get("phrases", ()) if each.get("code") not in codes]
+    pairs = zip(answer.get("remarks", ()), answer.get("phrases", ()), strict=False)
+    sentences = [sentence for sentence, each in pairs if each.get("code") not in codes]
+    return [each for each in words.clauses(sentences, phrases) if each not in {other.sentence for other in remarks}]
 
 
 def _lacking(machine: Machine, sections: Sequence[values.Section]) -> dict[str, Any]:
@@ -92,7 +113,7 @@ def drawn(case: Case | None, data: Mapping[str, Any], problem: str = "") -> dict
     """The drawings of a case, or of its chain where the case is not complete yet; or why there are none."""
     chain = chain_in(data) if case is None else case.chain
     values: dict[str, Any] = {"views": None, "scene": "", "near": (), "why": problem, "converted": ()}
-    values |= {"refused_json": "", "typed_doubts": ()}
+    values |= {"refused_json": "", "typed_remarks": ()}
     try:
         if chain is not None:
             values["views"] = drawing.chain_views(chain)
@@ -110,7 +131,7 @@ def preview(context: Context, fields: Fields) -> dict[str, Any]:
     """The drawings of a case with values that are not written yet."""
     content = context.machine.file.read_text(encoding="utf-8")
     try:
-        data, converted, refused = values.changed(content, given_values(fields))
+        data, converted, refused = values.changed(content, given := given_values(fields))
     except Refused as error:
         return drawn(None, {}, context.words.refused(error))
     problem: str = ""
@@ -118,13 +139,13 @@ def preview(context: Context, fields: Fields) -> dict[str, Any]:
     try:
         case = tables_of(Case, Path(context.machine.argument), data)
     except CaseError as error:
-        case, at_fields = None, values.at_fields(content, error)
+        case, at_fields = None, values.at_fields(data, error, given)
         said = context.words.refused_fields(at_fields.fields) | said
         problem = Markup("; ").join(map(context.words.refused, at_fields.others))
     except HexciteError as error:
         case, problem = None, enumerated("semicolon", error.sentences)
-    doubts = () if case is None else case.doubts
-    seen = {"converted": converted, "refused_json": Markup(script_json({**said})), "typed_doubts": doubts}
+    remarks = _said(context.words, values.remarks(case, data))
+    seen = {"converted": converted, "refused_json": Markup(script_json({**said})), "typed_remarks": remarks}
     return {**drawn(case, data, problem), **seen}
 
 
@@ -137,13 +158,14 @@ def urdf(file: Path) -> dict[str, Any]:
     stem = re.sub(r"[^a-z0-9]+", "_", file.stem.lower()).strip("_")
     most = max(link.moved_by for link in links)
     moved = [link for link in links if link.moved_by == most]
-    tools = [link for link in moved if link.name.endswith(TOOL0)]
+    sensors = [link for link in moved if _SENSOR.search(link.name.lower())]
+    tools = [link for link in moved if link.name.endswith(TOOL0)] or [link for link in moved if link not in sensors]
     return {
         "name": file.name,
         "problem": "",
         "links": sorted(links, key=lambda link: -link.moved_by),
         "flange": (tools or moved)[-1].name,
-        "sensor": next((link.name for link in moved if _SENSOR.search(link.name.lower())), ""),
+        "sensor": sensors[0].name if sensors else "",
         "proposed": stem if stem[:1].isalpha() else f"robot_{stem}".rstrip("_"),
         "scene": Markup(script_json(scene_of_links(links).to_json())),
     }

@@ -211,7 +211,7 @@ def _beside(context: Context, result: Made, results: Sequence[Made], name: str |
 def _payload(context: Context, result: Made, results: Sequence[str]) -> dict[str, Any]:
     """What the latest payload of this result was, and which of the results was, or may be, the one without it."""
     from identification.options import FRAMES
-    from postprocessors.export.targets import LOADS, SINGLE_FILES
+    from postprocessors.export.targets import LOADS
 
     job = context.jobs.latest(context.machine.key, "payload", result.name)
     answer = job.answer if job is not None and job.arrived and job.answer is not None else {}
@@ -236,7 +236,7 @@ def _payload(context: Context, result: Made, results: Sequence[str]) -> dict[str
         "payload_file": Path(answer["file"]).name if "file" in answer else "",
         "payload_text": beginning(context.root / answer["file"])[0] if "file" in answer else "",
         "payload_warnings": answer.get("warnings", ()),
-        "loads": [(name, context.words.target(name, SINGLE_FILES[name].what)) for name in LOADS],
+        "loads": [(name, context.words.say(f"to_{name}")) for name in LOADS],
         "frames": FRAMES,
         "references": [(name, unit) for name, (unit, _, _) in REFERENCES.items()],
     }

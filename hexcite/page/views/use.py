@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from cases.certificate import CertificateOf
+from cases.readiness import other_machine
 from hexcite.page.actions.common import Context
-from hexcite.page.stages import Made, Workspace
+from hexcite.page.stages import Machine, Made, Workspace
 from hexcite.page.views.common import Query, beginning, chosen, parameter
-from hexcite.page.views.result import failed_checks, outcome
 from hexcite.page.words import Words
 from identification.texts import std_text
 
@@ -31,17 +31,36 @@ def _history(words: Words, answer: Mapping[str, Any]) -> dict[str, Any]:
     return {"report": answer["report"], "heads": [words.parameter(name) for name in names], "rows": rows}
 
 
+OF_CONTROLS = {"linuxcnc": ("linuxcnc",), "twincat": ("st",), "urscript": ("urscript",), "ros2": ("ros2", "ft-tools")}
+"""Controllers that programs are written for, and exports that run on them."""
+ANYWHERE = ("json", "python", "c")
+
+
+def targets_of(machine: Machine) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Targets that fit a machine, then all others, each group with the key of its name."""
+    from postprocessors.export.targets import LOADS, TARGETS
+
+    controls = dict.fromkeys(each for control in machine.dialects for each in OF_CONTROLS.get(control, ()))
+    arm = machine.case is not None and machine.case.chain is not None and other_machine(machine.case, "linuxcnc")
+    fitting = tuple(dict.fromkeys((*controls, *ANYWHERE, *(LOADS if arm else ()))))
+    others = tuple(target for target in TARGETS if target not in fitting)
+    return ("targets_fit", fitting), ("targets_other", others)
+
+
 def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
     """What the stage Use shows of a machine, for its template."""
-    from identification.options import FRAMES
-    from postprocessors.export.targets import FRAMED, SINGLE_FILES, TARGETS
-
     result: Made | None = chosen(there.results, query.get("result"))
+    if result is None:
+        return {"chosen": None}
+    from hexcite.page.views.result import failed_checks, outcome  # with scipy, which a stage without results is without
+    from identification.options import FRAMES
+    from postprocessors.export.targets import FRAMED
+
     latest = {
-        word: context.jobs.latest(context.machine.key, word, result.name) if result is not None else None
-        for word in ("export", "force", "certificate")
+        word: context.jobs.latest(context.machine.key, word, result.name) for word in ("export", "force", "certificate")
     }
-    about = None if result is None else outcome(context.words, result)
+    about = outcome(context.words, result)
+    targets = targets_of(context.machine)
     recorded = {recording.name for recording in there.recordings}
     answers = {word: job.answer if job is not None and job.state == "done" else None for word, job in latest.items()}
     export = answers["export"] or {}
@@ -59,13 +78,10 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "recordings": there.recordings,
         "chosen": result,
         "outcome": about,
-        "failed": [] if result is None else failed_checks(context, result),
-        "again": about["recording"] if about is not None and about["recording"] in recorded else "",
-        "targets": [
-            (target, context.words.target(target, SINGLE_FILES[target].what if target in SINGLE_FILES else "C99"))
-            for target in TARGETS
-        ],
-        "to": query.get("to", "c"),
+        "failed": failed_checks(context, result),
+        "again": about["recording"] if about["recording"] in recorded else "",
+        "targets": targets,
+        "to": query.get("to", targets[0][1][0]),
         "texts": texts,
         "files": export.get("files") or (),
         "force": force,

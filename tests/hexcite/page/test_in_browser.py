@@ -90,7 +90,7 @@ def begun(browser: Browser, address: str, like: str, width: int = 1280) -> Seen:
     seen = Seen(browser, address, width)
     page = seen.page
     page.get_by_label(re.compile("^Name")).fill("mill")
-    page.get_by_label(re.compile("^Begin from")).select_option(like)
+    page.locator(f"input[name=like][value={like}]").check()
     page.get_by_role("button", name="Make it").click()
     expect(page.get_by_role("heading", name="Machine", exact=True)).to_be_visible()
     page.get_by_role("link", name=re.compile("4 Data")).click()

@@ -20,7 +20,10 @@ from hexcite.page.forms import Fields
 from hexcite.page.jobs import Job
 from hexcite.page.refusals import Unfit
 from hexcite.page.stages import machine_of
+from hexcite.page.views.use import targets_of
+from hexcite.texts import text
 from identification.results.estimate import entries_of_parameters, physical_values
+from postprocessors.export.targets import TARGETS
 
 
 class NoJobs:
@@ -236,3 +239,27 @@ def test_style_and_script_are_kept_by_their_content(client: TestClient) -> None:
         assert address is not None
         assert "immutable" in client.get(address[0]).headers["cache-control"]
         assert client.get(f"/static/{name}?v=other").headers["cache-control"] == "no-cache"
+
+
+def test_exports_that_fit_the_machine_come_first_and_in_words(client: TestClient, root: Path) -> None:
+    shown = client.get("/m/+mill/use?result=res").text
+    groups = dict(re.findall(r'(?s)<optgroup label="([^"]*)">(.*?)</optgroup>', shown))
+    first, others = (
+        re.findall(r'value="([^"]*)"', groups[text(key, "en")]) for key in ("targets_fit", "targets_other")
+    )
+    assert first[:2] == ["linuxcnc", "st"]  # whose programs the machine runs
+    assert {"kuka", "ros2", "mjcf"} <= set(others)
+    assert sorted([*first, *others]) == sorted(TARGETS)
+    assert "C99" in text("to_c", "en")
+    machine = machine_of(root, "ur10_wrist")
+    assert machine is not None
+    arm = [member for _, members in targets_of(machine) for member in members]
+    assert arm[0] == "urscript"
+    assert set(arm) == set(TARGETS)
+
+
+def test_a_failed_acceptance_stands_above_all_else(client: TestClient, root: Path) -> None:
+    client.post("/m/+mill/do/state", data={"stage": "use", "result": "res", "accept.mass_percent": "0.000001"})
+    shown = client.get("/m/+mill/use?result=res").text.partition("<h1>")[2]
+    failed = shown.index(text("verdict_fails", "en"))
+    assert failed < shown.index(text("use_lead", "en"))

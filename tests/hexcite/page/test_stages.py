@@ -21,6 +21,7 @@ from cases.editing import write_table
 from cases.recording_format import Role
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
+from cases.tables import built_in_cases
 from hexcite.page import forms
 from hexcite.page.actions.common import Context
 from hexcite.page.actions.data import looked_at
@@ -34,7 +35,7 @@ from hexcite.page.views import job as job_view
 from hexcite.page.views.common import chosen_plan
 from hexcite.page.views.data import shown as data_view
 from hexcite.page.words import ENGLISH
-from hexcite.texts import LANGUAGES
+from hexcite.texts import LANGUAGES, text
 from identification.motion.motion import Standstill
 from postprocessors.blocks import ToHome, Trigger
 
@@ -604,9 +605,9 @@ def test_the_seed_of_a_search_is_a_field(root: Path, case: Case):
     command = forms.plan(machine, fields | {"seed": ["7"]}, "out")
     assert command[command.index("--seed") + 1] == "7"
     assert "--seed" not in forms.plan(machine, fields, "out")
-    for text in ("1.5", "-1", "x"):
+    for typed in ("1.5", "-1", "x"):
         with pytest.raises(Unfit):
-            forms.plan(machine, fields | {"seed": [text]}, "out")
+            forms.plan(machine, fields | {"seed": [typed]}, "out")
 
 
 def test_each_recording_says_what_came_of_it(root: Path, case: Case, client: TestClient):
@@ -676,3 +677,42 @@ def test_a_look_holds_where_the_case_states_what_it_proposed(root: Path, case: C
     assert answer["unchanged"]
     write_table(file, "recording", {"columns": {"f1_N": "G1"}, "filter_cutoff_Hz": 40.0})
     assert held() is None
+
+
+def test_examples_say_where_their_sensors_are_and_machines_can_be_copied(client: TestClient, root: Path):
+    new_case("mill", "hexapod", root / "mill")
+    shown = client.get("/").text
+    for name in built_in_cases():
+        assert f'type="radio" name="like" value="{name}"' in shown
+    assert {text(f"sensors_{setup}", "en") in shown for setup in ("1a", "1b", "2x", "R")} == {True}
+    assert 'value="+mill"' in shown
+    assert client.post("/new", data={"name": "mill_2", "like": "+mill"}).status_code == 303
+    assert "hexcite case new mill_2 --like mill/case.toml" in client.get("/").text
+    assert client.post("/new", data={"name": "mill_2", "like": "+other"}).status_code == 400
+
+
+def test_a_doubt_links_to_its_field_and_proposes_a_value(client: TestClient, root: Path):
+    file = new_case("mill", "hexapod", root / "mill")
+    file.write_text(file.read_text().replace("strut_velocity_m_s = ", "strut_velocity_m_s = 700.0 # "))
+    shown = client.get("/m/+mill/machine").text
+    remarks = shown.partition('id="remarks"')[2].partition('<div class="beside">')[0]
+    assert 'href="#v.limits.motion.strut_velocity_m_s"' in remarks
+    (take,) = re.findall(r'data-take="([^"]*)"', remarks)
+    assert json.loads(html.unescape(take)) == {"limits.motion.strut_velocity_m_s": "0.7"}
+    assert 'id="v.limits.motion.strut_velocity_m_s"' in shown
+    assert "data-take" not in client.get("/m/hexapod/machine").text
+
+
+def test_what_was_refused_before_the_machine_was_changed_is_folded(client: TestClient, root: Path):
+    file = new_case("mill", "hexapod", root / "mill")
+    file.write_text(file.read_text().replace('setup = "1b"', 'setup = "4"'))
+    client.post("/m/+mill/do/check", data={})
+    for _ in range(600):
+        shown = client.get("/m/+mill/machine").text
+        if "data-over" in shown:
+            break
+        time.sleep(0.1)
+    assert 'class="old"' not in shown
+    assert 'class="line failed"' in shown
+    file.write_text(file.read_text().replace('setup = "4"', 'setup = "1b"'))
+    assert 'class="old"' in client.get("/m/+mill/machine").text

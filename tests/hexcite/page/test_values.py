@@ -325,3 +325,32 @@ def test_a_preview_says_what_is_refused_and_draws_the_rest(client: TestClient, f
     assert set(json.loads(refused[1])) == {f"v.{RADIUS}"}
     assert answer.count("<svg") == 2
     assert "1038.91" not in answer  # home is that which was typed
+
+
+def test_limits_of_all_joints_are_refused_at_the_joint_that_they_do_not_fit(client: TestClient, root: Path):
+    (root / "two.urdf").write_text(ARM)
+    file = new_arm("arm", root / "two.urdf", "tool0", root / "arm")
+    content = file.read_text()
+    form = {"digest": digest(content), "on.joints": "1"}
+    for k, home in enumerate((100.0, 0.0)):
+        form[f"w.machine.chain.joints[{k}].home_deg"] = str(home)
+        entries = {"name": ("first", "second")[k], "position_deg": "-30, 30", "velocity_deg_s": "60"}
+        entries |= {"acceleration_rad_s2": "5", "jerk_rad_s3": "50"}
+        form |= {f"w.limits.motion.joints[{k}].{key}": text for key, text in entries.items()}
+    answer = client.post("/m/+arm/do/save", data=form)
+    assert answer.status_code == 409
+    assert 'id="e.w.limits.motion.joints[0].position_deg"' in answer.text
+    assert 'id="e.w.limits.motion.joints[1]' not in answer.text
+    assert file.read_text() == content
+    form["w.machine.chain.joints[0].home_deg"] = "20"
+    assert client.post("/m/+arm/do/save", data=form).status_code == 303
+
+
+def test_only_keys_of_tables_that_are_there_or_that_a_plan_needs_are_needed(client: TestClient, root: Path):
+    (root / "two.urdf").write_text(ARM)
+    file = new_arm("arm", root / "two.urdf", "tool0", root / "arm")
+    found = sections(file.read_text(), load_case(str(file)))
+    needed = {entry.name for section in found for entry in section.more if entry.needed}
+    assert "nominal.mass_kg" in needed
+    assert not {name for name in needed if name.startswith(("simulation", "payloads", "controller.", "tolerances"))}
+    assert "open" in client.get("/m/+arm/machine").text.partition("</li>")[0]  # the stage asks for these
