@@ -81,16 +81,20 @@ def _each(symbol: str, spellings: str) -> dict[str, str]:
 
 LENGTHS = Units(
     "length",
-    {"mm": MM, "m": 1.0, "um": 1e-6, "nm": 1e-9, "cm": 1e-2, "in": _INCH, "mil": 1e-3 * _INCH, "ft": 12.0 * _INCH},
     {
-        **_each("mm", "millimeter millimeters millimetre millimetres"),
-        **_each("m", "meter meters metre metres"),
-        **_each("um", "micron microns micrometer micrometers micrometre micrometres"),
+        "mm": MM, "m": 1.0, "um": 1e-6, "nm": 1e-9, "cm": 1e-2, "dm": 0.1, "in": _INCH, "mil": 1e-3 * _INCH,
+        "ft": 12.0 * _INCH,
+    },
+    {
+        **_each("mm", "millimeter millimeters millimetre millimetres мм"),
+        **_each("m", "meter meters metre metres м"),
+        **_each("cm", "см"),
+        **_each("um", "micron microns mikron micrometer micrometers micrometre micrometres mikrometer мкм"),
         **_each("in", "inch inches zoll ″ ''"),
         **_each("mil", "mils thou"),
         **_each("ft", "foot feet"),
     },
-)
+)  # fmt: skip
 _TURN = 360.0 * DEG
 ANGLES = Units(
     "angle",
@@ -99,11 +103,11 @@ ANGLES = Units(
         "arcsec": DEG / 3600.0, "rev": _TURN, "gon": _TURN / 400.0,
     },
     {
-        **_each("deg", "° º degree degrees degs grad"),  # Grad is German for degree
-        **_each("rad", "rads radian radians"),
+        **_each("deg", "° º degree degrees degs grad град"),  # Grad is German for degree
+        **_each("rad", "rads radian radians рад"),
         **_each("mdeg", "m°"),
-        **_each("arcmin", "′ arcmins"),
-        **_each("arcsec", "arcsecs asec"),
+        **_each("arcmin", "′ arcmins winkelminute winkelminuten bogenminute bogenminuten"),
+        **_each("arcsec", "″ arcsecs asec winkelsekunde winkelsekunden bogensekunde bogensekunden"),
         **_each("rev", "revs turn turns revolution revolutions"),
         **_each("gon", "gons gradian gradians"),
     },
@@ -111,16 +115,16 @@ ANGLES = Units(
 FORCES = Units(
     "force",
     {
-        "N": 1.0, "kN": 1e3, "mN": 1e-3, "MN": 1e6, "uN": 1e-6, "daN": 10.0, "kgf": STANDARD_GRAVITY,
+        "N": 1.0, "kN": 1e3, "mN": 1e-3, "MN": 1e6, "uN": 1e-6, "cN": 1e-2, "daN": 10.0, "kgf": STANDARD_GRAVITY,
         "kp": STANDARD_GRAVITY, "gf": 1e-3 * STANDARD_GRAVITY, "tf": 1e3 * STANDARD_GRAVITY, "lbf": _POUND,
         "klbf": 1e3 * _POUND, "ozf": _POUND / 16.0, "dyn": 1e-5,
     },
     {
-        **_each("N", "newton newtons"),
-        **_each("kN", "kilonewton kilonewtons"),
-        **_each("mN", "millinewton millinewtons"),
-        **_each("MN", "meganewton meganewtons"),
-        **_each("kgf", "kg kilopond kilogramforce"),  # a force that is given in kg is a weight
+        **_each("N", "newton newtons Н"),
+        **_each("kN", "kilonewton kilonewtons кН"),
+        **_each("mN", "millinewton millinewtons мН"),
+        **_each("MN", "meganewton meganewtons МН"),
+        **_each("kgf", "kg kilopond kilogramforce кгс"),  # a force that is given in kg is a weight
         **_each("gf", "g"),
         **_each("tf", "t"),
         **_each("lbf", "lb lbs lbsf pound pounds poundforce"),
@@ -140,11 +144,14 @@ _SPELLED = {
 MOMENTS = Units(
     "moment",
     {
-        "Nm": 1.0, "Nmm": MM, "Ncm": 1e-2, "kNm": 1e3, "kNmm": 1.0, "mNm": 1e-3, "uNm": 1e-6, "MNm": 1e6, "daNm": 10.0,
+        "Nm": 1.0, "Nmm": MM, "Ncm": 1e-2, "kNm": 1e3, "kNmm": 1.0, "mNm": 1e-3, "uNm": 1e-6, "MNm": 1e6, "cNm": 1e-2,
+        "dNm": 0.1, "daNm": 10.0,
         **{f"{force}-{arm}": FORCES[force] * _ARMS[arm] for force, arm in _PRODUCTS},
     },
     {
-        **_each("Nm", "newtonmeter newtonmeters newtonmetre newtonmetres"),
+        **_each("Nm", "newtonmeter newtonmeters newtonmetre newtonmetres Нм"),
+        **_each("Nmm", "Нмм"),
+        **_each("kNm", "кНм"),
         **{
             spelling: f"{force}-{arm}"
             for force, arm in _PRODUCTS
@@ -167,12 +174,12 @@ TIMES = Units(
         "d": 1440.0 * MINUTE,
     },
     {
-        **_each("s", "sec secs second seconds sek sekunde sekunden"),
-        **_each("ms", "msec msecs millisecond milliseconds millisekunden"),
-        **_each("us", "usec usecs microsecond microseconds"),
+        **_each("s", "sec secs second seconds sek sekunde sekunden с сек"),
+        **_each("ms", "msec msecs millisecond milliseconds millisekunden мс"),
+        **_each("us", "usec usecs microsecond microseconds мкс"),
         **_each("ns", "nsec nsecs nanosecond nanoseconds"),
         **_each("filetime", "100ns"),
-        **_each("min", "minute minutes minuten"),
+        **_each("min", "minute minutes minuten мин"),
         **_each("h", "hr hrs hour hours stunde stunden"),
         **_each("d", "day days tag tage"),
     },
@@ -183,7 +190,7 @@ QUANTITIES = (LENGTHS, ANGLES, FORCES, MOMENTS, TIMES, SHARES)
 COUNTS = frozenset(
     {
         "cnt", "cnts", "count", "counts", "cts", "lsb", "adc", "adu", "inc", "incs", "increment", "increments", "tick",
-        "ticks", "digit", "digits", "pulses",
+        "ticks", "digit", "digits", "pulses", "inkr", "inkremente",
     }
 )  # fmt: skip
 """What converters and encoders count, in small letters: numbers that have a unit only by a factor."""
@@ -191,13 +198,14 @@ _OTHERS = frozenset(
     {
         "V", "mV", "uV", "kV", "mV/V", "uV/V", "V/V", "A", "mA", "uA", "Ohm", "Ω", "bar", "mbar", "psi", "ksi", "Pa",
         "hPa", "kPa", "MPa", "°C", "degC", "°F", "K", "Hz", "kHz", "MHz", "W", "kW", "J", "a.u.", "a.u", "arb.u.",
-        "p.u.", "C", "nC", "pC", "%FS", "FS", "bit", "bits", "m/s", "mm/s", "mm/min", "m/min", "in/s", "in/min",
-        "m/s^2", "m/s2", "m/s²", "mm/s^2", "mm/s2", "mm/s²", "m/s3", "deg/s", "°/s", "rad/s", "rpm", "1/min", "U/min",
-        "1/s", "deg/s^2", "deg/s2", "°/s²", "rad/s^2", "rad/s2", "rad/s²", "um/m", "ustrain", "ue", "N/mm", "N/s",
-        "bool", "-", "none",
+        "p.u.", "Volt", "Volts", "C", "nC", "pC", "%FS", "FS", "‰", "bit", "bits", "dN", "hN", "m/s", "mm/s",
+        "mm/min", "m/min", "in/s", "in/min", "m/s^2", "m/s2", "m/s²", "mm/s^2", "mm/s2", "mm/s²", "m/s3", "deg/s",
+        "°/s", "rad/s", "rpm", "1/min", "U/min", "1/s", "deg/s^2", "deg/s2", "°/s²", "rad/s^2", "rad/s2", "rad/s²",
+        "um/m", "ustrain", "ue", "uε", "ε", "N/mm", "N/s", "bool", "-", "none",
     }
 )  # fmt: skip
 """Other units that recorders write: no column of ours has such a quantity."""
+_FOLDED_OTHERS = frozenset(map(str.casefold, _OTHERS))
 
 
 _OF_A_RANGE = re.compile(r"(?:%|(?:percent|per cent|prozent|pct)\b).*|f\.?s\.?o?\.?|full[ -]?scale(?: output)?", re.I)
@@ -211,11 +219,12 @@ def is_share(text: str) -> bool:
 def is_unit(text: str) -> bool:
     """Whether a text is a unit that recorders write, whether or not a column of ours can have it."""
     plain = plain_unit(text)
-    known = plain in _OTHERS or plain.casefold() in COUNTS or is_share(plain)
+    known = plain in _OTHERS or (len(plain) > 1 and plain.casefold() in _FOLDED_OTHERS)
+    known = known or plain.casefold() in COUNTS or is_share(plain)
     return known or any(units.symbol(plain) not in (None, "1") for units in QUANTITIES)
 
 
 def is_other_unit(text: str, units: Units) -> bool:
     """Whether a text is the symbol of a unit, letter by letter, that is not one of this quantity."""
     every = _OTHERS.union(*(table for table in QUANTITIES if table is not units))
-    return text in every and units.symbol(text) is None
+    return plain_unit(text) in every and units.symbol(text) is None

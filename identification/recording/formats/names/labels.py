@@ -9,10 +9,11 @@ from cases.base.unit_names import COUNTS, SHARES, Units, is_other_unit, is_unit,
 LONGEST = 1000
 """Characters of a label, or of a line that states something; what is longer is text, and patterns take its square."""
 _BRACKETED = re.compile(r"\[([^\]]*)\]|\(([^)]*)\)|<([^>]*)>|\{([^}]*)\}")
-# Letters that may be a unit which we do not know: names of channels and addresses have digits or other signs.
 _PREFIX = re.compile(r"^(?:in|units?|einheit)\b[:=\s]+", re.I)
-_LIKE_A_UNIT = re.compile(r"[A-Za-zµμ°%Ω/*·^²³]{2,12}")
-_WORD = re.compile(r"(?<![A-Za-zµμ])[A-Za-zµμ°%]+(?![A-Za-z0-9])")  # not those that a number follows, as in m1
+# Letters and signs of any script may be a unit which we do not know: names of channels and addresses have digits or
+# other signs, and a single Latin letter is as likely an index.
+_LIKE_A_UNIT = re.compile(r"(?![A-Za-z*/.]$)[^\s\d_\[\](){}<>\"'`|\\,;:=!?&@~+\-]{1,12}")
+_WORD = re.compile(r"(?<![^\W\d_])(?:[^\W\d_]|[°%‰])+(?![^\W_])")  # not those that a number follows, as in m1
 _DIGIT = re.compile(r"\d")
 _WORDS = frozenset(
     {
@@ -118,7 +119,7 @@ def _in_brackets(text: str, units: Units) -> StatedUnit | None:
         return StatedUnit(
             text, units.symbol(known[0]) if len(known) == 1 and about and not _DIGIT.search(text) else None
         )
-    return StatedUnit(text, None) if _LIKE_A_UNIT.fullmatch(text) and not about else None
+    return StatedUnit(text, None) if _LIKE_A_UNIT.fullmatch(text) and not (others and about) else None
 
 
 def _behind(label: str, units: Units) -> Iterator[StatedUnit]:

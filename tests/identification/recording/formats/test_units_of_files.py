@@ -121,12 +121,30 @@ def test_shares_of_a_range_weigh_the_right_mass_by_the_remedy(stated: bool, labe
     assert np.allclose(read(file, mapped(labels, scale=scale)).forces, RUN.forces)
 
 
-@pytest.mark.parametrize("unit", ["counts", "V", "mV/V", "digits", "bar", "Pfund", "mm", "Nm", "?"])
+@pytest.mark.parametrize(
+    "unit",
+    ["counts", "V", "mV/V", "digits", "bar", "Pfund", "mm", "Nm", "?", "µε", "με", "µ∊", "‰", "N²", "Inkr.", "#", "тс"],
+)
 def test_a_unit_that_forces_cannot_have_is_refused_with_label_and_remedy(unit: str, tmp_path: Path) -> None:
     labels = [f"{name} [{unit}]" for name in LABELS]
     with pytest.raises(RecordingError, match=r"Kraft 1 \[.*5 more.*recording\.(units|scale)") as caught:
         read(with_forces(tmp_path, labels, RUN.forces), mapped(labels))
     assert unit in one_line(caught.value)
+
+
+@pytest.mark.parametrize("unit", ["µV", "με", "dN"])
+def test_a_unit_behind_a_name_that_forces_cannot_have_is_refused(unit: str, tmp_path: Path) -> None:
+    labels = [f"{name} {unit}" for name in LABELS]
+    with pytest.raises(RecordingError, match=f"'{unit}' is not a known unit of forces"):
+        read(with_forces(tmp_path, labels, RUN.forces), mapped(labels))
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("Н", 1.0), ("кН", 1e3), ("кгс", 9.80665)])
+def test_cyrillic_units_are_read(unit: str, factor: float, tmp_path: Path) -> None:
+    labels = [f"{name} [{unit}]" for name in LABELS]
+    recording = read(with_forces(tmp_path, labels, RUN.forces / factor), mapped(labels))
+    np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-7)
+    assert not warnings(recording)
 
 
 def test_the_remedies_of_the_refusal_work(tmp_path: Path) -> None:
