@@ -69,6 +69,7 @@ class ModalState(ABC):
     home_check: ClassVar[re.Pattern[str]]
     home_check_lines: ClassVar[int]
     condition: ClassVar[str]
+    numbered_statements: ClassVar[bool] = True  # whether their lines may have numbers of blocks, as a control adds them
     asks_where: ClassVar[str] = ""  # command before it, without which it would not see the present place; empty: none
     feed_group: ClassVar[str] = ""  # command that names the axes whose path F counts, with {} for them; empty: none
 
@@ -114,12 +115,16 @@ class ModalState(ABC):
             match = cls.word.match(text, ink.start())
             if match is None:
                 bad = text[ink.start() : ink.start() + 12].rstrip()
+                numbered = number is not None and text[number.end() :].lstrip().startswith(cls.condition)
+                remedy = f"remove or replace it: {cls.reads}"
+                if numbered and not cls.numbered_statements:
+                    remedy = "write a check of a place without numbers of blocks, as hexcite post does"
                 raise ProgramError(
                     file=file,
                     line=line,
                     column=ink.start() + 1,
                     problem=f"cannot read {bad!r}",
-                    remedy=f"remove or replace it: {cls.reads}",
+                    remedy=remedy,
                     code=Code.SYNTAX,
                 )
             if not match["comment"]:
@@ -153,7 +158,8 @@ class ModalState(ABC):
         for number, text in enumerate(lines, start=1):
             if number <= read_up_to or not text or text.isspace():
                 continue
-            if text.startswith(self.condition) and (count := self.statement(lines, number)):
+            statement = self._without_number(text)
+            if statement.startswith(self.condition) and (count := self.statement(lines, number)):
                 blocks, read_up_to = blocks + count, number - 1 + count
             elif words := self.words(text, number, self.file):
                 self.line = number
@@ -177,7 +183,7 @@ class ModalState(ABC):
         """
         if self.ended or not (np.isnan(self.coordinates).any() or self.unsure.all()):  # behind the first motion
             return 0
-        texts = [text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines]]
+        texts = [self._without_number(text) for text in lines[number - 1 : number - 1 + self.home_check_lines]]
         match = self.home_check.fullmatch("\n".join(texts))
         if match is None:
             return 0
@@ -202,6 +208,11 @@ class ModalState(ABC):
             self.coordinates, self.unsure = np.array([self.places[name] for name in names]).T
             self.motions.stand_near(self.coordinates * self.scale, np.abs(self.unsure * self.scale))
         return len(texts)
+
+    def _without_number(self, text: str) -> str:
+        """A line of a statement without the number of its block, where it may have one, and blanks at its end."""
+        number = self.number.match(text) if self.numbered_statements else None
+        return (text if number is None else text[number.end() :].lstrip()).rstrip()
 
     @staticmethod
     def _place(match: re.Match[str]) -> tuple[float, float]:

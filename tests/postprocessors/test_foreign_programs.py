@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from tests.postprocessors.other_dialects import BOTH, CASE, LINUXCNC, SINUMERIK,
 from tests.postprocessors.programs import FIRST, HOME, read_linuxcnc, typed
 
 EVERY = [LINUXCNC, *BOTH]
+GOLDEN = Path(__file__).parents[1] / "golden_dialects"
 every = pytest.mark.parametrize("typed_as", EVERY, ids=lambda t: t.name)
 BODY = {"linuxcnc": "G1 X1 F600\nG4 P0.2\nG1 X0 F600", "sinumerik": "G1 X1 F600\nG4 F0.2\nG1 X0 F600",
         "twincat": "G01 G60 X1 F600\nG04 0.2\nG01 G60 X0 F600"}  # fmt: skip
@@ -47,6 +49,21 @@ def same(one: Reading, other: Reading) -> bool:
 def test_numbers_of_blocks_change_nothing(typed_as: Typed, step: int):
     text = typed_as.text(BODY[typed_as.name])
     assert same(typed_as.read(numbered(text, step)), typed_as.read(text))
+
+
+@pytest.mark.parametrize(("typed_as", "file"), [(SINUMERIK, "lines.mpf"), (TWINCAT, "akima.nc")])
+def test_numbers_of_blocks_may_stand_before_a_check_of_home(typed_as: Typed, file: str):
+    """A control that numbers the blocks of a program numbers these lines too."""
+    text = (GOLDEN / file).read_text()
+    assert re.search(r"^\$?IF", text, re.MULTILINE)
+    of_numbered, of_plain = typed_as.read(numbered(text, 10)), typed_as.read(text)
+    assert [(type(part), part.line) for part in of_numbered.stretches] == [
+        (type(part), part.line) for part in of_plain.stretches
+    ]
+    assert of_numbered.blocks == of_plain.blocks
+    loose = re.sub(r"(?<=>)( ?)0\.01", r"\g<1>777", text)
+    with pytest.raises(ProgramError, match="within 777"):
+        typed_as.read(numbered(loose, 10))
 
 
 @pytest.mark.parametrize("before", ["", "\n\n", "  "])

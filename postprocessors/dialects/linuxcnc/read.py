@@ -53,7 +53,7 @@ class _LinuxCncInterpreter(ModalState):
         rf"o(?P<number>\d+) if \[abs\[#<_(?P<axis>[xyzabc])>(?P<place>[+-]{PLAIN})\] gt (?P<within>{PLAIN})\]\n"
         r"\(abort,[A-Za-z0-9 .:,+-]*(?:#<_[xyzabc]>)?[A-Za-z0-9 .:,+-]*\)\no(?P=number) endif"
     )
-    home_check_lines, condition = 3, "o"
+    home_check_lines, condition, numbered_statements = 3, "o", False
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres
     groups = (
         *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G61.1 G64", "M62 M63 M64 M65", "M0 M1 M2 M30 M60"),
