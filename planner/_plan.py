@@ -71,15 +71,24 @@ def request_of(
     return Request(family or Best(), duration, **options)
 
 
-def planned(request: Request, case: Case, progress: Callable[[Standing], None] | None = None) -> Plan:
-    """`plan` for settings that are one value."""
+def planned(
+    request: Request,
+    case: Case,
+    progress: Callable[[Standing], None] | None = None,
+    began: float | None = None,
+) -> Plan:
+    """`plan` for settings that are one value.
+
+    Args:
+        began: from when the seconds of the search count, by `time.monotonic` [s]; None for now.
+    """
     require_plannable(request, case)
     follower = silent if progress is None else Follower(case, progress)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
         if request.target:
             require_more(request, case)
             return shortest(request, case, lambda shorter: make_until_ctrl_c(shorter, case, follower))
-        return make_until_ctrl_c(request, case, follower)
+        return make_until_ctrl_c(request, case, follower, began)
 
 
 @documented(PoseOptions)

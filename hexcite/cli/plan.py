@@ -1,6 +1,7 @@
 """`hexcite plan`: optimises an excitation and writes a plan folder."""
 
 import re
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from threading import Thread
@@ -57,6 +58,7 @@ def plan(
 
     Ctrl-C ends the search and keeps the best motion found so far; a second one gives up.
     """
+    began = time.monotonic()  # before what follows is loaded
     from identification.model.model import full_model
     from planner._plan import planned, request_of
     from planner.families.settings import Best, family_class
@@ -90,7 +92,8 @@ def plan(
         motion = f"{'up to ' if request.target else ''}{request.duration:g} s, criterion {request.criterion}, "
         console.say(f"Planning for {loaded.name}: {words}, {motion if optimised else ''}model {request.model}")
     with console.status("searching" if optimised else "timing", json) as remark:
-        result = planned(request, loaded, with_page_at_hand(console.as_lines() if json and progress else remark))
+        shown = with_page_at_hand(console.as_lines() if json and progress else remark)
+        result = planned(request, loaded, shown, began)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
     written = f"plan written: {folder}, with its report {folder}/report.html"

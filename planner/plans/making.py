@@ -96,10 +96,13 @@ def require_targets(request: Request, case: Case) -> None:
             )
 
 
-def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
+def search(request: Request, case: Case, listener: Listener, run: Runner, began: float | None = None) -> PlannedMotion:
     """Explores starts until further ones gain too little, refines the best ones, proves the winner.
 
     A search that lasts some seconds goes on with rounds of this kind, until what follows must begin.
+
+    Args:
+        began: from when these seconds count, by `time.monotonic` [s]; None for now.
 
     Raises:
         InfeasiblePlan: every start failed; the message is that of the first.
@@ -107,7 +110,8 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     """
     until = math.inf
     if request.seconds is not None:
-        until = time.monotonic() + max(request.seconds - ENDING, request.seconds / 2)
+        began = time.monotonic() if began is None else began
+        until = began + max(request.seconds - ENDING, request.seconds / 2)
     listener(request)
     made_for = request.family.made_for(case)
     controlled_case, step_time = controlled(case, made_for)
@@ -198,7 +202,7 @@ class _Rounds:
         request = self.request
         seconds_left = self.until - time.monotonic()
         refining = REFINING * seconds_left if math.isfinite(seconds_left) else 0.0
-        schedule = self._explorations(number, self.until - refining)
+        schedule = self._explorations(number, self.until - refining, before)
         least, exactly = self._least(), request.starts is not None
         self.listener(Planned(START, least, exactly, schedule.until))
         results, early = self.run(schedule, self.listener)
@@ -237,8 +241,11 @@ class _Rounds:
         choices = len(request.family.families(self.case, request.duration))
         return max(choices, 1) + request.family.idle(request.criterion)
 
-    def _explorations(self, number: int, until: float) -> Schedule:
-        """The starts of a round. Each of several choices has one first; those that follow go to the best of them."""
+    def _explorations(self, number: int, until: float, before: Sequence[Start | Failed]) -> Schedule:
+        """The starts of a round. Each of several choices has one first; those that follow go to the best of them.
+
+        None begins with less time left than the longest of those before it took: a part of one finds little.
+        """
         request = self.request
         idle = request.family.idle(request.criterion)
         families = request.family.families(self.case, request.duration)[: request.starts]
@@ -250,6 +257,9 @@ class _Rounds:
 
         def task(k: int, results: Sequence[Start | Failed]) -> Task | None:
             known = max(first, k + 1 - AHEAD)
+            took = [s.record.seconds for s in _without_failures([*before, *results]) if not s.record.refined]
+            if took and time.monotonic() + max(took) > until:
+                return None
             if k >= first and (k >= most or len(results) < known):
                 return None
             if k < first:
@@ -274,8 +284,11 @@ def seeds_of(seed: int, starts: int) -> list[int]:
     return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]
 
 
-def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
+def make(request: Request, case: Case, listener: Listener, run: Runner, began: float | None = None) -> Plan:
     """Optimises, proves and rates an excitation.
+
+    Args:
+        began: see `search`.
 
     Raises:
         InfeasiblePlan: no motion satisfies the limits.
@@ -287,7 +300,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     require_plannable(request, case)
     start = time.perf_counter()
     if (by_hand := request.family.motion(case)) is None:
-        result = search(request, case, listener, run)
+        result = search(request, case, listener, run, began)
         if isinstance(request.family, Best):
             chosen = request.family.chosen(case, request.duration, result.starts[0].family.name)
             request = replace(request, family=chosen)
@@ -316,10 +329,10 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
         raise IdentificationError(place=place, problem=error.message, code=Code.NO_EXCITATION) from error
 
 
-def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
+def make_until_ctrl_c(request: Request, case: Case, listener: Listener, began: float | None = None) -> Plan:
     """`make`, in the main thread; after the first Ctrl-C the best motion so far is proven and rated."""
     if not request.family.optimised:
         return make(request, case, listener, run_here)
     with first_ctrl_c() as pressed, workers(pressed, request.workers) as run:
-        plan = make(request, case, listener, run)
+        plan = make(request, case, listener, run, began)
     return replace(plan, interrupted=plan.interrupted or pressed.is_set())

@@ -33,20 +33,21 @@ from planner.request import Solver
 from planner.search.annealing import TEMPERATURES, annealed_start
 from planner.search.feasibility import keep_limits, require_rest
 from planner.search.nlp import regressor_kernel
-from planner.search.problem import build_program, largest_shares
+from planner.search.problem import build_program
 from planner.search.record import Failed, SolverStatus, StartRecord
+from planner.search.restoration import closest_inside
 from planner.search.solvers import Barrier, Watch, solve
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 COARSE_RATE = 250.0  # [1/s] the same of explorations, which are shrunk to know what there is if the search ends now
 SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
-SHRINKING = 1e-3  # excess that shrinking removes: it costs 0.2 % of an efficiency at most, to solve again costs more
-TIGHTER = 3  # times at most that limits are constrained at more instants, and tightened by the remaining excess
+AGAIN = 3  # times at most that a refinement is solved again because what it found lost much on the way inside
+REGAINED = 0.02  # of the objective: of an efficiency 2 %; to solve again for less is not worth its time
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 UNSEEN = 1.2  # share of a limit at an instant without a row from which a refinement begins anew, with rows there
 FAR = 0.6  # share of a non-linear limit below which a refinement does not constrain an instant, until it comes near
-DRAWN_BACK = 0.98  # share: a motion that had to shrink to less is searched for once more, from inside
-FURTHER = 25  # the same of a motion that is drawn back from
+DRAWN_BACK = 0.98  # share: of an exploration that had to shrink to less the closest motion inside is looked for
+HARDLY = 0.998  # the same of refinements
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
 
@@ -136,8 +137,11 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         if run.stopped and inside is not None:
             break
         unknowns = run.solve_for(letter, halvings, unknowns, iterations)
-        candidate = run.feasible(unknowns) if exploring else run.best_feasible(run.constrained(unknowns), iterations)
-        unknowns = unknowns if exploring else candidate[0]
+        if exploring:
+            unknowns, candidate = run.inside(unknowns, DRAWN_BACK)
+        else:
+            candidate = run.refined(unknowns)
+            unknowns = candidate[0]
         value = run.rate(candidate[0])
         if inside is None or value > after:
             after, (inside, share) = value, candidate
@@ -258,7 +262,7 @@ class _Run:
         return self.program.unknowns <= FEW
 
     def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
-        """Runs the solver, of a spline anew from before an iterate that exceeds limits by far where it has no rows.
+        """Runs the solver; anew from before an iterate that exceeds limits by far where it has no rows.
 
         Args:
             iterations: at most; what is begun anew has as many as mending has.
@@ -292,8 +296,7 @@ class _Run:
         program = replace(self.program, convex=convex or not (task.of_moves or (task.refine and not self.few)))
         usual = Solver.ACTIVE_SET if self.few and not (task.of_moves or task.refine) else Solver.IPOPT
         solver = task.solver or usual
-        # splines were found far beyond limits that they have no rows for; of moves and series nobody has looked
-        beyond = self.beyond if task.refine and not (task.of_moves or self.few) else None
+        beyond = self.beyond if task.refine else None  # an exploration has its rows from the start
         solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier, solver, beyond)
         self.iterations += count
         self.converged = self.status.converged and bool(np.isfinite(solution).all())
@@ -301,50 +304,50 @@ class _Run:
             return unknowns
         return np.asarray(np.clip(solution, program.lower, program.upper))
 
-    def constrained(self, unknowns: Array) -> Array:
-        """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
-        self.family = self.family.refined(unknowns)
-        layout = self.family.layout(self.task.case, UNUSED_SHARE + SLIPPED)
-        self.program = replace(self.program, lower=layout.lower, upper=layout.upper)
-        for number in range(TIGHTER):
-            shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
-            satisfied = max(shares) <= 1.0 - UNUSED_SHARE + SHRINKING and self.program.outside(unknowns) < SLIPPED
-            if self.stopped or satisfied:
-                break
-            between = self.program.worst(unknowns) < 1.0 - UNUSED_SHARE  # at no instant that could have a further row
-            self.program = self.program.with_rows_above(unknowns, NEAR)
-            if number > 0 or between:
-                self.program = self.program.tightened(shares, 1.0 - UNUSED_SHARE - SLIPPED)
-            unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
-        return np.asarray(np.clip(unknowns, self.program.lower, self.program.upper))  # phases that are absent last 0
-
     def feasible(self, unknowns: Array) -> tuple[Array, float]:
         """Unknowns of the motion shrunk inside every limit, and the share to which it was shrunk."""
         rate = QUICK_RATE if self.task.refine else COARSE_RATE
         return keep_limits(self.task.case, self.family.once, unknowns, rate)
 
-    def best_feasible(self, unknowns: Array, iterations: int) -> tuple[Array, float]:
-        """As `feasible`; where much is lost by that, the best of further searches.
+    def inside(self, unknowns: Array, share: float) -> tuple[Array, tuple[Array, float]]:
+        """A motion that satisfies its limits, or nearly, and the same as `feasible`.
 
-        First from the motion itself, with limits lowered by what it exceeds them; then from inside, from the better of
-        the motions until then and of the one at which the search began, shrunk inside as well.
+        The motion itself; where it had to shrink to less than a share, or is outside its bounds, the closest inside, if
+        that is better. A stopped exploration is shrunk: it is worth little, and others may be done.
         """
+        within = np.clip(unknowns, self.program.lower, self.program.upper)
+        shrunk = self.feasible(within)
+        at_hand = shrunk[1] >= share and self.program.outside(unknowns) < SLIPPED
+        if at_hand or (self.stopped and not self.task.refine):
+            return within, shrunk
+        bound = 1.0 - UNUSED_SHARE - SLIPPED
+        closest = closest_inside(self.program, self.task.case, self.family, unknowns, bound)
+        restored = self.feasible(closest)
+        better = self.rate(restored[0], self.program.letter) > self.rate(shrunk[0], self.program.letter)
+        return (closest, restored) if better else (within, shrunk)
 
-        def worth(candidate: tuple[Array, float]) -> float:
-            return self.rate(candidate[0], self.program.letter)
+    def refined(self, unknowns: Array) -> tuple[Array, float]:
+        """As `feasible`, of what refining found: brought inside, and solved again from there where that cost much.
 
-        candidates = [self.feasible(unknowns)]
-        for count, barrier in ((FURTHER, _AT_HAND), (iterations, _NEAR)):
-            if candidates[-1][1] >= DRAWN_BACK or self.stopped:
+        What the solver exceeds limits by, at instants without a row and between them, is mostly a short way back.
+        """
+        self.family = self.family.refined(unknowns)
+        layout = self.family.layout(self.task.case, UNUSED_SHARE + SLIPPED)
+        self.program = replace(self.program, lower=layout.lower, upper=layout.upper)
+        best, lowest, ended = None, np.inf, (self.status, self.converged)
+        for _ in range(1 + AGAIN):
+            closest, candidate = self.inside(unknowns, HARDLY)
+            value, wanted = self.program.value(candidate[0]), self.program.value(unknowns)
+            gained = lowest - value
+            if best is None or gained > 0.0:
+                best, lowest, ended = candidate, value, (self.status, self.converged)
+            if self.stopped or value - wanted < REGAINED or gained < REGAINED:
                 break
-            shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
-            self.program = self.program.with_rows_above(unknowns, 0.0).tightened(shares, 1.0 - UNUSED_SHARE - SLIPPED)
-            if len(candidates) > 1:
-                candidates.append(self.feasible(self.begun))
-                unknowns = max(candidates, key=worth)[0]
-            unknowns = self.solve(unknowns, count, barrier)
-            candidates.append(self.feasible(unknowns))
-        return max(candidates, key=worth)
+            self.program = self.program.with_rows_above(unknowns, NEAR)
+            unknowns = self.solve(closest, self.family.mending, _AT_HAND)
+        assert best is not None
+        self.status, self.converged = ended
+        return best
 
 
 def run_safely(task: Task, watch: Watch) -> Start | Failed:

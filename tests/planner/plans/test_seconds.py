@@ -64,7 +64,7 @@ def test_nothing_is_begun_that_has_no_time_to_end(
     request = Request(Fourier(order=3), 2.0, model=6, seconds=10.0 + ENDING)
     (family,) = request.family.families(hexapod_case, 2.0)
     unknowns = family.start(np.random.default_rng(1), lambda unknowns: 4.0 * float(np.abs(unknowns).max()))
-    record = StartRecord(1, False, -3.0, -3.0, SolverStatus.SETTLED, True, 9, 4.0)
+    record = StartRecord(1, False, -3.0, -3.0, SolverStatus.SETTLED, True, 9, 1.0)
 
     def run(schedule: Schedule, listener: Listener) -> Outcome:
         task = schedule.task(0, [])
@@ -80,6 +80,46 @@ def test_nothing_is_begun_that_has_no_time_to_end(
     assert clock[0] - 50.0 < request.seconds - ENDING + ending
     assert found.out_of_time
     assert not found.interrupted
+
+
+def test_no_exploration_begins_that_takes_longer_than_what_is_left(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    """Half of a search of 10 s explores: after starts of 2 s, and 3.5 s, there is no time for one of 2 s more."""
+    clock, begun = [50.0], list[float]()
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
+    request = Request(Fourier(order=3), 2.0, model=6, seconds=10.0 + ENDING)
+    (family,) = request.family.families(hexapod_case, 2.0)
+    unknowns = family.start(np.random.default_rng(1), lambda unknowns: 4.0 * float(np.abs(unknowns).max()))
+    lasting = [2.0, 1.5, 1.0, 1.0, 1.0]
+
+    def run(schedule: Schedule, listener: Listener) -> Outcome:
+        results: list[Start | Failed] = []
+        while (task := schedule.task(len(results), results)) is not None and len(results) < len(lasting):
+            begun.append(clock[0] - 50.0)
+            took = lasting[len(results)]
+            clock[0] += took
+            record = StartRecord(task.seed, task.refine, -3.0, -3.0, SolverStatus.SETTLED, True, 9, took)
+            results.append(Start(record, unknowns, family, 1.0, unknowns, -3.0))
+        clock[0] = max(clock[0], schedule.until)
+        return results, True
+
+    search(request, hexapod_case, silent, run)
+    assert begun[:3] == [0.0, 2.0, 3.5]
+    assert 4.5 not in begun
+
+
+def test_seconds_count_from_when_the_command_began(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(time, "monotonic", lambda: 50.0)
+    request = Request(Fourier(order=3), 2.0, model=6, seconds=10.0 + ENDING)
+    ends: list[float] = []
+
+    def run(schedule: Schedule, listener: Listener) -> Outcome:
+        ends.append(schedule.last)
+        return [Failed(1, "no motion")], False
+
+    for began in (None, 48.0):
+        with pytest.raises(HexciteError):
+            search(request, hexapod_case, silent, run, began)
+    assert ends == [60.0, 58.0]
 
 
 @pytest.mark.slow
