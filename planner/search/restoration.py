@@ -102,10 +102,13 @@ def closest_inside(program: NonlinearProgram, case: Case, family: Family, unknow
     """
     program, start = program.with_rows_near(unknowns, CONSTRAINED, CONSTRAINED), unknowns
     for _ in range(ROUNDS):
-        unknowns, _, _ = solve(ClosestProgram.of(program, start), unknowns, ITERATIONS, lambda _: False, _AT_HAND)
+        closest, _, _ = solve(ClosestProgram.of(program, start), unknowns, ITERATIONS, lambda _: False, _AT_HAND)
+        if not np.isfinite(closest).all():
+            break
+        unknowns = np.clip(closest, program.lower, program.upper)
         motion = family.once.motion(unknowns)
         over = prove(motion, case, CHECK_RATE).worst_ratio - (1.0 - UNUSED_SHARE)
-        if over <= 0.0:
+        if over <= 0.0 or not np.isfinite(over):
             break
         shares = largest_shares(program, motion, case)
         between = program.worst(unknowns) <= bound + INSIDE

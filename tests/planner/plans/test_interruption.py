@@ -51,7 +51,7 @@ def test_ctrl_c_after_the_search_loses_nothing(hexapod_case: Case, monkeypatch: 
 def test_ctrl_c_before_a_search_keeps_it_from_beginning(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
     told: list[Outcome] = []
 
-    def make(request: Request, case: Case, listener: Listener, run: Callable) -> Found:
+    def make(request: Request, case: Case, listener: Listener, run: Callable, began: float | None) -> Found:
         ctrl_c()
         told.append(run(Schedule.of([object()]), listener))  # type: ignore[list-item]  # no task: it would fail
         return Found()

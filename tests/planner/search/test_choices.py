@@ -213,6 +213,14 @@ def test_without_a_family_each_has_a_start_and_the_best_has_the_others(best: str
     assert choice_notes(tried)[0].startswith(f"{FAMILY_WORDS[best]} by trying")
 
 
+def test_a_family_that_may_pass_the_best_once_it_is_refined_is_refined_too(hexapod_case: Case):
+    """Explorations of splines may lie far behind moves that they pass in the end: exp(-4 / 20) is 0.82."""
+    worth = {"spline": -14.0, "ptp": -10.0, "fourier": -30.0}
+    tasks, _ = _searched(Request(Best(), 3.0), hexapod_case, worth)
+    refined = [task.family.name for task in tasks if task.refine]
+    assert refined == ["ptp", "ptp", "spline"]
+
+
 def test_a_controller_with_a_time_law_of_its_own_is_planned_moves_for(hexapod_case: Case):
     own, unkept = (
         hexapod_case.model_copy(update={"controller": hexapod_case.controller.model_copy(update={"plan_for": name})})

@@ -92,14 +92,14 @@ def test_the_closest_motion_is_inside_and_closer_than_the_shrunk_one(number: int
     assert program.value(closest) < program.value(shrunk)
 
 
+@pytest.mark.slow
 def test_where_shrinking_takes_most_the_closest_motion_keeps_the_information():
     case = narrow_case()
-    run = running(case, SplineFamily.of(case, 30, 3.0))
+    run = running(case, SplineFamily.of(case, 20, 2.0))
     explored = run_start(run.task)
-    motion = run.program
     raised = explored.begin * 1.01
     shrunk, share = run.feasible(raised)
-    closest, kept = run.feasible(closest_inside(motion, case, run.family, raised, BOUND))
+    closest, kept = run.feasible(closest_inside(run.program, case, run.family, raised, BOUND))
     size = run.program.size
     assert share < 0.8
     assert kept > 1.0 - SLIPPED
