@@ -45,7 +45,6 @@ AGAIN = 3  # times at most that a refinement is solved again because what it fou
 REGAINED = 0.02  # of the objective: of an efficiency 2 %; to solve again for less is not worth its time
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 UNSEEN = 1.2  # share of a limit at an instant without a row from which a refinement begins anew, with rows there
-SEEN = 0.6
 FAR = 0.6  # share of a non-linear limit below which a refinement does not constrain an instant, until it comes near
 DRAWN_BACK = 0.98  # share: of an exploration that had to shrink to less the closest motion inside is looked for
 HARDLY = 0.998  # the same of refinements
@@ -272,7 +271,7 @@ class _Run:
         until = self.iterations + iterations
         unknowns = self.solve_once(unknowns, iterations, barrier, convex)
         while self.status is SolverStatus.BEYOND:
-            self.program = self.program.with_rows_above(unknowns, SEEN).with_rows_above(self.ahead, SEEN)
+            self.program = self.program.with_rows_above(unknowns, FAR).with_rows_above(self.ahead, FAR)
             if convex or self.iterations >= until:  # exact ones go on
                 self.status = SolverStatus.ITERATION_LIMIT
                 break
