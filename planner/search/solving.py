@@ -130,7 +130,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     """
     start = time.perf_counter()
     run = _Run(task, watch)
-    unknowns = run.begun = run.begin()
+    unknowns = run.begin()
     exploring = not task.refine
     after, inside, share = -np.inf, None, 1.0
     for letter, halvings, iterations in _stages(task):
@@ -213,7 +213,6 @@ class _Run:
         self.program = replace(program, regressor=regressor)
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped = False, False
-        self.begun = np.zeros(0)  # where the solver began
         self.ahead = np.zeros(0)  # the iterate that ended it because it exceeds limits where they have no row
 
     def stops(self, objective: float) -> bool:
