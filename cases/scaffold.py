@@ -23,7 +23,7 @@ from cases.base.units import MM
 from cases.bounds import Bounds
 from cases.schema import NO_TITLE, Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
-from cases.tolerances import TYPICAL, Tolerances
+from cases.tolerances import TYPICAL, Tolerances, tolerable_keys
 from cases.urdf import Arm
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -93,21 +93,21 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
                 lines += [line, *_comment(comments["template"])]
                 line = f'template = "{like}"'
         lines.append(line)
-    lines += [*_tolerances(case), *_bounds(case)]
+    lines += ["", *_tolerances(case.tolerable), *_bounds(case)]
     write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
     return file
 
 
-def _tolerances(case: Case) -> list[str]:
-    """The table of tolerances as comments, with values to begin from."""
+def _tolerances(keys: Sequence[str]) -> list[str]:
+    """The table of tolerances with these keys as comments, with values to begin from."""
     words = explanations(Tolerances)
     about = (
         "How far the machine may be from all this: deviations of results count what is stated here, and say what is "
         "not. Standard deviations, or limits as { limit = 0.05 }. Typical values, to be replaced by those of drawing "
         "and data sheets:"
     )
-    rows = [f"# {key} = {TYPICAL[key]:g} # {words[key]}" for key in TYPICAL if key in case.tolerable]
-    return ["", *_comment(about), "# [tolerances]", *rows]
+    rows = [f"# {key} = {TYPICAL[key]:g} # {words[key]}" for key in TYPICAL if key in keys]
+    return [*_comment(about), "# [tolerances]", *rows]
 
 
 def _bounds(case: Case) -> list[str]:
@@ -167,6 +167,7 @@ def arm_text(
     templates.filters["bodies"] = lambda bodies: toml_value(
         [json.loads(b.model_dump_json(exclude_unset=True)) for b in bodies]
     )
+    turns = [joint.turns for joint, _ in arm.joints]
     return templates.get_template("arm.toml.jinja").render(
         arm._asdict(),
         name=name,
@@ -175,6 +176,7 @@ def arm_text(
         sensor_link=sensor or flange,
         keep_apart=bodies,
         touching=[list(pair) for pair in touching],
+        tolerances="\n".join(_tolerances(tolerable_keys(turns, False, False, True, True, True))),
     )
 
 

@@ -43,7 +43,7 @@ from cases.tables import (
     read_tables,
     spelled,
 )
-from cases.tolerances import KINDS, Tolerances
+from cases.tolerances import KINDS, Tolerances, tolerable_keys
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
 LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9
@@ -439,18 +439,9 @@ class Case(Heading):
     def tolerable(self) -> tuple[str, ...]:
         """Keys of `[tolerances]` that this machine has something for."""
         turns = [] if self.chain is None else [joint.turns for joint in self.chain.joints]
-        keys = {
-            "joints_mm": self.hexapod is not None,
-            "bars_mm": self.sensor_frame.bars is not None,
-            "sensor_mm": self.sensor_frame.transducer is not None,
-            "sensor_deg": self.sensor_frame.transducer is not None,
-            "joint_zeros_deg": any(turns),
-            "joint_zeros_mm": not all(turns),
-            "links_mm": len(turns) > 1,
-            "encoder_scale_ppm": self.machine is not None,
-            "clock_ppm": self.setup != "1a",
-        }
-        return tuple(key for key in KINDS if keys.get(key, True))
+        bars, transducer = self.sensor_frame.bars is not None, self.sensor_frame.transducer is not None
+        known, moves = self.machine is not None, self.setup != "1a"
+        return tolerable_keys(turns, self.hexapod is not None, bars, transducer, known, moves)
 
     @property
     def not_counted(self) -> list[str]:

@@ -1,6 +1,6 @@
 """How far a machine may be from its case: what a drawing and data sheets promise, not what a run shows."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -52,6 +52,33 @@ TYPICAL = {
 }
 """Values to begin from: parts ground to a few hundredths, a load cell's class and its reference, a spirit level, g by
 latitude and height, a quartz."""
+
+
+def tolerable_keys(
+    turns: Sequence[bool], struts: bool, bars: bool, transducer: bool, known: bool, moves: bool
+) -> tuple[str, ...]:
+    """Keys of tolerances that a machine has something for, in the order of `KINDS`.
+
+    Args:
+        turns: of each joint of a chain, whether it turns; none where there is no chain.
+        struts: whether it is a hexapod.
+        bars: whether sensors are in bars, and
+        transducer: whether one sensor measures force and moment.
+        known: whether its case says how it moves.
+        moves: whether the frame of the sensors does.
+    """
+    has = {
+        "joints_mm": struts,
+        "bars_mm": bars,
+        "sensor_mm": transducer,
+        "sensor_deg": transducer,
+        "joint_zeros_deg": any(turns),
+        "joint_zeros_mm": not all(turns),
+        "links_mm": len(turns) > 1,
+        "encoder_scale_ppm": known,
+        "clock_ppm": moves,
+    }
+    return tuple(key for key in KINDS if has.get(key, True))
 
 
 class Spread(Part):

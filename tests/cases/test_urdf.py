@@ -500,3 +500,19 @@ def test_what_is_fixed_behind_the_sensor_is_its_load(tmp_path: Path) -> None:
     case = load_case(str(file))
     assert case.nominal.mass_kg == pytest.approx(1.0)
     assert [body.name for body in case.chain.tool] == ["plate"]
+
+
+def test_each_tolerance_that_the_arm_has_is_offered(tmp_path: Path) -> None:
+    """The comments, taken as they stand, leave no kind of tolerance that deviations would not count."""
+    case_file = new_arm("arm", file_with(tmp_path, ur10()), "tool0", tmp_path / "arm")
+    text = case_file.read_text()
+    begin = text.index("# [tolerances]")
+    end = text.index("\n\n", begin)
+    assert "gains" in load_case(str(tmp_path / "arm")).not_counted
+    case_file.write_text(text[:begin] + re.sub(r"^# ", "", text[begin:end], flags=re.MULTILINE) + text[end:])
+    case = load_case(str(tmp_path / "arm"))
+    assert tuple(key for key, _ in case.tolerances.stated()) == tuple(
+        key for key in type(case.tolerances).model_fields if key in case.tolerable
+    )
+    assert "links_mm" in case.tolerable
+    assert not case.not_counted
