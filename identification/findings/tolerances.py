@@ -26,6 +26,7 @@ from identification.samples.samples import Fitted
 from identification.texts import CAUSE
 
 PPM, PERCENT = 1e-6, 1e-2
+ROUNDING = 1e-9  # of a variance: less is what differences of its parts leave
 SMALL = 0.1  # of a deviation: a part that adds 0.5 % to it is not said
 NOISE, MEMORY, SHOWN = "noise", "noise with memory", "seen in residuals"
 
@@ -216,6 +217,7 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
     by_tolerances = np.sum(list(by_kind.values()), axis=0)
     memory = np.maximum(robust - white, 0.0)
     by_residuals = np.maximum(variances(allowed.fit.covariance_robust) - robust - by_tolerances, 0.0)
+    by_residuals = np.where(by_residuals > ROUNDING * total, by_residuals, 0.0)
     parts = {
         NOISE: np.maximum(total - memory - by_residuals - by_tolerances, 0.0),
         MEMORY: memory,
