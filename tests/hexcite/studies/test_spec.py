@@ -46,7 +46,7 @@ def test_periods_moves_and_knots_that_are_not_stated_fit_every_duration(hexapod_
 
 def test_ten_million_cells_are_too_many(hexapod_case: Case) -> None:
     grid = Grid(seed=list(range(10_000)), order=[2, 3, 4, 5, 6], period_s=[1.0 + 0.01 * k for k in range(200)])
-    with pytest.raises(HexciteError, match=r"10000000 cells, .*1000000: list fewer") as caught:
+    with pytest.raises(HexciteError, match=r"10000000 cells, .*1000000; list fewer") as caught:
         cells_of(Spec(schema_version=1, name="x", grid=grid), hexapod_case)
     one_line(caught.value)
 
