@@ -162,8 +162,8 @@ def identify_models(
     >>> choice = hx.identify_models(hx.Recording.load("empty"))
     >>> choice.best
     9
-    >>> {row.model: round(row.s0, 1) for row in choice.rows}
-    {0: 16.7, 1: 16.1, 2: 16.6, 3: 15.2, 4: 14.7, 5: 15.3, 6: 3.9, 7: 3.6, 8: 1.1, 9: 1.1, 10: 1.3}
+    >>> {row.model: round(row.s0) for row in choice.rows}
+    {0: 17, 1: 16, 2: 17, 3: 15, 4: 15, 5: 15, 6: 4, 7: 4, 8: 1, 9: 1, 10: 1}
 
     Args:
         recording: the run.

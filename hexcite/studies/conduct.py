@@ -175,7 +175,7 @@ def study(
     >>> study = hx.study(hx.load_case("hexapod"), "moves.toml", "study", one_process=True)
     >>> study
     Study study: 1 of 1 cells done, 0 failed
-    D: -5.4... with {'family': 'ptp', 'criterion': 'D', 'model': 9, 'duration_s': 4.0, 'moves': 8, 'payload': 0}
+    D: -5... with {'family': 'ptp', 'criterion': 'D', 'model': 9, 'duration_s': 4.0, 'moves': 8, 'payload': 0}
 
     Args:
         case: machine and limits, and a simulated machine where the study executes its plans.
