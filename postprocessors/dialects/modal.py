@@ -69,7 +69,6 @@ class ModalState(ABC):
     home_check: ClassVar[re.Pattern[str]]
     home_check_lines: ClassVar[int]
     condition: ClassVar[str]
-    numbered_statements: ClassVar[bool] = True  # whether their lines may have numbers of blocks, as a control adds them
     asks_where: ClassVar[str] = ""  # command before it, without which it would not see the present place; empty: none
     feed_group: ClassVar[str] = ""  # command that names the axes whose path F counts, with {} for them; empty: none
 
@@ -115,16 +114,12 @@ class ModalState(ABC):
             match = cls.word.match(text, ink.start())
             if match is None:
                 bad = text[ink.start() : ink.start() + 12].rstrip()
-                numbered = number is not None and text[number.end() :].lstrip().startswith(cls.condition)
-                remedy = f"remove or replace it: {cls.reads}"
-                if numbered and not cls.numbered_statements:
-                    remedy = "write a check of a place without numbers of blocks, as hexcite post does"
                 raise ProgramError(
                     file=file,
                     line=line,
                     column=ink.start() + 1,
                     problem=f"cannot read {bad!r}",
-                    remedy=remedy,
+                    remedy=f"remove or replace it: {cls.reads}",
                     code=Code.SYNTAX,
                 )
             if not match["comment"]:
@@ -210,8 +205,8 @@ class ModalState(ABC):
         return len(texts)
 
     def _without_number(self, text: str) -> str:
-        """A line of a statement without the number of its block, where it may have one, and blanks at its end."""
-        number = self.number.match(text) if self.numbered_statements else None
+        """A line of a statement without the number of its block, as a control adds it, and blanks at its end."""
+        number = self.number.match(text)
         return (text if number is None else text[number.end() :].lstrip()).rstrip()
 
     @staticmethod

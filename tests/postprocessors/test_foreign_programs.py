@@ -51,17 +51,19 @@ def test_numbers_of_blocks_change_nothing(typed_as: Typed, step: int):
     assert same(typed_as.read(numbered(text, step)), typed_as.read(text))
 
 
-@pytest.mark.parametrize(("typed_as", "file"), [(SINUMERIK, "lines.mpf"), (TWINCAT, "akima.nc")])
+@pytest.mark.parametrize(
+    ("typed_as", "file"), [(SINUMERIK, "lines.mpf"), (TWINCAT, "akima.nc"), (LINUXCNC, "../golden/excitation.ngc")]
+)
 def test_numbers_of_blocks_may_stand_before_a_check_of_home(typed_as: Typed, file: str):
     """A control that numbers the blocks of a program numbers these lines too."""
     text = (GOLDEN / file).read_text()
-    assert re.search(r"^\$?IF", text, re.MULTILINE)
+    assert re.search(r"^(\$?IF|o\d+ if)", text, re.MULTILINE)
     of_numbered, of_plain = typed_as.read(numbered(text, 10)), typed_as.read(text)
     assert [(type(part), part.line) for part in of_numbered.stretches] == [
         (type(part), part.line) for part in of_plain.stretches
     ]
     assert of_numbered.blocks == of_plain.blocks
-    loose = re.sub(r"(?<=>)( ?)0\.01", r"\g<1>777", text)
+    loose = re.sub(r"(>|gt)( ?)0\.01", r"\1\g<2>777", text)
     with pytest.raises(ProgramError, match="within 777"):
         typed_as.read(numbered(loose, 10))
 

@@ -53,7 +53,7 @@ class _LinuxCncInterpreter(ModalState):
         rf"o(?P<number>\d+) if \[abs\[#<_(?P<axis>[xyzabc])>(?P<place>[+-]{PLAIN})\] gt (?P<within>{PLAIN})\]\n"
         r"\(abort,[A-Za-z0-9 .:,+-]*(?:#<_[xyzabc]>)?[A-Za-z0-9 .:,+-]*\)\no(?P=number) endif"
     )
-    home_check_lines, condition, numbered_statements = 3, "o", False
+    home_check_lines, condition = 3, "o"
     # those of groups of one change nothing that a program here relies on: no compensation, no offset; relative centres
     groups = (
         *("G0 G1 G2 G3 G80", "G17 G18 G19", "G93 G94", "G61 G61.1 G64", "M62 M63 M64 M65", "M0 M1 M2 M30 M60"),
@@ -93,7 +93,7 @@ class _LinuxCncInterpreter(ModalState):
         """Reads a check of home, or that G54 is zero, whose number no other statement has."""
         if not np.isnan(self.coordinates).any():
             return 0
-        texts = "\n".join(text.rstrip() for text in lines[number - 1 : number - 1 + self.home_check_lines])
+        texts = "\n".join(self._without_number(text) for text in lines[number - 1 : number - 1 + self.home_check_lines])
         match = _ZERO_OFFSETS.fullmatch(texts) or self.home_check.fullmatch(texts)
         if match is None:
             return 0

@@ -90,8 +90,13 @@ def test_the_keyboard_reaches_all_in_order_and_is_trapped_nowhere(pages: tuple[S
         if "machine" not in where:  # whose several hundred fields are closed by section
             page.evaluate(OPENED)
         page.evaluate(
-            f"""window.stops = [...document.querySelectorAll('{FOCUSABLE}')].filter((each) => each.checkVisibility()
-                && !each.disabled && !(each.type === "radio" && !each.checked))"""
+            f"""window.choice = (of) => {{  // of the buttons of a choice the chosen one, or the first
+                const all = [...document.querySelectorAll("input[type=radio]")].filter((each) => each.form === of.form
+                    && each.name === of.name);
+                return all.find((each) => each.checked) ?? all[0];
+            }};
+            window.stops = [...document.querySelectorAll('{FOCUSABLE}')].filter((each) => each.checkVisibility()
+                && !each.disabled && !(each.type === "radio" && each !== choice(each)))"""
         )
         count = page.evaluate("stops.length")
         where_is = "[stops.indexOf(document.activeElement), document.activeElement.tagName]"
