@@ -32,7 +32,7 @@ from tests.hexcite.command_line import call
 from tests.postprocessors.changed_case import changed
 from tests.simulated_machine import PoseExecution
 
-pytestmark = pytest.mark.usefixtures("every_picture")
+pytestmark = [pytest.mark.usefixtures("every_picture"), pytest.mark.repeats]  # each page in a browser
 
 FIGURES = 14  # of a result: forces, residuals, spectrum, order; 2 of accelerations, 5 of densities, 3 of correlations
 HEAD = Head("All is well.", True, "hexapod")

@@ -132,6 +132,7 @@ def test_a_plan_is_far_better_than_chance_and_below_its_bound(joints: int, plans
     assert 0.05 < worth.d_efficiency < 1.0
 
 
+@pytest.mark.repeats
 def test_the_page_warns_of_nothing_that_nobody_can_change(plans: Plans):
     """No bound of a chain is proven, whatever its user does."""
     plan = plans[6]

@@ -138,6 +138,7 @@ ARM = (
 )
 
 
+@pytest.mark.repeats
 def test_all_stages_speak_german(answered: TestClient):
     assert answered.put("/upload/arm.urdf", content=ARM.encode()).status_code == 200
     places = ["/", "/urdf/arm.urdf", "/nowhere", "/m/+mill/data?recording=trace.csv"]
@@ -164,6 +165,7 @@ def test_all_stages_speak_german(answered: TestClient):
     assert "steht nicht zur Wahl" in refused.text
 
 
+@pytest.mark.repeats
 def test_reports_speak_german_in_their_frames(answered: TestClient, root: Path):
     case = load_case(str(root / "mill"))
     plan, result = hx.Plan.load(root / "plan", case), hx.Result.load(root / "res", case)

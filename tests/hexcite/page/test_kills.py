@@ -146,6 +146,7 @@ def begun(mill: Path, word: str) -> bool:
     return file.exists() and len(file.read_text().split()) == 2
 
 
+@pytest.mark.repeats
 def test_a_server_that_is_killed_at_any_stage_comes_back_with_what_was_finished(mill: Path, modules: Path):
     finished = content(mill)
     with served(mill, modules) as first:

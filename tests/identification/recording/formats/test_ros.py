@@ -346,6 +346,7 @@ def test_bags_of_two_runs_are_not_one(tmp_path: Path) -> None:
             read([bags[0], other], ROBOT)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("packed", [None, Writer1.CompressionFormat.LZ4, Writer1.CompressionFormat.BZ2])
 def test_a_bag_of_ros_1_without_index_is_read_record_by_record(
     packed: Writer1.CompressionFormat | None, tmp_path: Path
