@@ -1,4 +1,4 @@
-"""The beginning of a case file for one's own machine: a built-in one whose keys are explained."""
+"""The beginning of a case file for one's own machine: another case, its keys explained where it is built in."""
 
 import ast
 import inspect
@@ -6,6 +6,7 @@ import json
 import re
 import sys
 import textwrap
+import tomllib
 from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import pairwise
@@ -21,13 +22,13 @@ from cases.base.phrases import phrase
 from cases.base.text_formats import toml_value
 from cases.base.units import MM
 from cases.bounds import Bounds
+from cases.editing import with_values
 from cases.schema import NO_TITLE, Case, load_case
 from cases.tables import CASE_FILE, Part, built_in_cases, find_case
 from cases.tolerances import TYPICAL, Tolerances, tolerable_keys
 from cases.urdf import Arm
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
-_NAME_LINE = re.compile(r"""^name\s*=\s*(?:"[^"]*"|'[^']*')""", re.MULTILINE)  # the first one is of the case itself
 
 _SIMULATED_BODY = (
     "The simulated body is that of [nominal]. A table [simulation.parameters.body] with mass_kg, centre_of_gravity_mm "
@@ -56,7 +57,9 @@ def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None)
     file = new_place(name, folder)
     case = load_case(like)
     if like not in built_in_cases():
-        write_text(file, _NAME_LINE.sub(f'name = "{name}"', find_case(like).read_text(encoding="utf-8"), count=1))
+        place = find_case(like)
+        text = place.read_text(encoding="utf-8")
+        write_text(file, with_values(place, text, tomllib.loads(text) | {"name": name}))
         return file
     lines = _comment(
         f"{name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units. "

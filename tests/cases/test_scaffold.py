@@ -100,3 +100,13 @@ def test_a_case_of_ones_own_is_copied_with_its_comments(tmp_path: Path) -> None:
         changed = [(a, b) for a, b in zip(first.read_text().splitlines(), copy.read_text().splitlines(), strict=True)]
         assert [b for a, b in changed if a != b] == [f'name = "mill_{len(str(like))}"']
         assert load_case(str(copy)).name == f"mill_{len(str(like))}"
+
+
+def test_a_copy_gets_its_name_wherever_that_is_written(tmp_path: Path) -> None:
+    """Not a joint, whose name stands in a line of its own further below."""
+    first = new_case("arm", "ur10_wrist", tmp_path / "arm")
+    first.write_text(first.read_text().replace('name = "arm"', '"name" = "arm"', 1))
+    joints = load_case(str(first)).need_chain("a test")[0].joints
+    copy = load_case(str(new_case("arm_2", str(first), tmp_path / "copy")))
+    assert copy.name == "arm_2"
+    assert [joint.name for joint in copy.need_chain("a test")[0].joints] == [joint.name for joint in joints]
