@@ -44,7 +44,7 @@ class Reference(Part):
                         "give {value} and {expanded}, or neither: E_n needs the uncertainty of the reference",
                         value=value,
                         expanded=expanded,
-                    )
+                    ).about(value, expanded)
                 )
         if self.mass_kg is None and self.centre_of_gravity_mm is None:
             raise ValueError(

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.base.errors import CaseError, Code, FileProblem, option
-from cases.base.phrases import NOTHING, phrase, said
+from cases.base.errors import AT_OWN_RISK, CaseError, Code, FileProblem, option
+from cases.base.phrases import NOTHING, enumerated, phrase, said
 from cases.schema import Case, fingerprint, load_case
 from cases.tables import built_in_cases
 
@@ -187,6 +187,7 @@ def require_unchanged(
             if same
             else phrase("name_own_case", "name its own case with {case}", case=option("case"))
         )
+        at_own_risk = phrase(AT_OWN_RISK, "go on at your own risk with {stale}", stale=option("stale"))
         raise FileProblem(
             place=file,
             problem=phrase(
@@ -197,15 +198,7 @@ def require_unchanged(
                 change=changes[0],
                 more=more,
             ),
-            remedy=phrase("again_or", "{again}, or {other}", again=said(again), other=other)
-            if not alike
-            else phrase(
-                "again_or_stale",
-                "{again}, or {other}, or go on at your own risk with {stale}",
-                again=said(again),
-                other=other,
-                stale=option("stale"),
-            ),
+            remedy=enumerated("comma_or", [said(again), other, *([at_own_risk] if alike else ())]),
             code=Code.STALE,
         )
     return (*earlier, f"stale: {file} is of case {case.name} before {'; '.join(changes)}")

@@ -91,7 +91,7 @@ class Joint(Frame):
                             "is {kind} and has no {key}; remove it or change the kind",
                             kind=self.kind,
                             key=key,
-                        ),
+                        ).about(key, "kind"),
                     )
                 )
         low, high = self.position
@@ -105,7 +105,7 @@ class Joint(Frame):
                         home=home,
                         value=f"{getattr(self, home):g}",
                         position=position,
-                    ),
+                    ).about(home, position),
                 )
             )
         return self
@@ -297,7 +297,7 @@ class JointLimit(Part):
                         turning=", ".join(turning),
                         sliding=", ".join(sliding),
                         both=both,
-                    ),
+                    ).about(*turning, *sliding),
                 )
             )
         stated_keys = [[key for key in keys if key in present] for keys in self._kind]
@@ -312,7 +312,9 @@ class JointLimit(Part):
             raise ValueError(
                 of_named(
                     self.name,
-                    phrase("state_the_same", "{keys} state the same; remove one", keys=enumerated("both", twice[0])),
+                    phrase(
+                        "state_the_same", "{keys} state the same; remove one", keys=enumerated("both", twice[0])
+                    ).about(*twice[0]),
                 )
             )
         low, high = getattr(self, position := self.keys[0])
@@ -324,7 +326,7 @@ class JointLimit(Part):
                         "without_zero",
                         "{position} does not contain 0; it is relative to home, widen it",
                         position=position,
-                    ),
+                    ).about(position),
                 )
             )
         return self
@@ -500,8 +502,8 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
             for words in lacks
         )
         return
-    for joint, limit, (low, high) in zip(
-        chain.joints, limits.joints, limits.coordinates.T + chain.home[:, None], strict=True
+    for k, (joint, limit, (low, high)) in enumerate(
+        zip(chain.joints, limits.joints, limits.coordinates.T + chain.home[:, None], strict=True), 1
     ):
         if joint.turns != limit.turns:
             yield phrase(
@@ -509,7 +511,7 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
                 "limits.motion.joints: {name} is {kind}; give the keys of such a joint",
                 name=joint.name,
                 kind=joint.kind,
-            )
+            ).about(f"limits.motion.joints[{k}].{limit.keys[0]}")
         elif low < joint.position[0] or high > joint.position[1]:
             ends, own = (
                 phrase("from_to", "{low} to {high}", low=f"{pair[0] / joint.unit:g}", high=f"{pair[1] / joint.unit:g}")
@@ -521,7 +523,7 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
                 name=joint.name,
                 ends=ends,
                 own=own,
-            )
+            ).about(f"limits.motion.joints[{k}].{limit.keys[0]}")
 
 
 def _columns(joints: Sequence[Joint | JointLimit]) -> tuple[str, ...]:

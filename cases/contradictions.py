@@ -14,6 +14,7 @@ import numpy as np
 
 from cases.base.errors import Write
 from cases.base.phrases import NOTHING, Phrase, as_it_is, enumerated, phrase
+from cases.base.places import place_of
 from cases.base.units import DEG, Array
 from cases.tables import own_units
 
@@ -79,41 +80,17 @@ class Stated(NamedTuple):
         return np.asarray(np.where(wrong, self.value * factor, self.value) if apart else self.value * factor)
 
 
-Place = tuple[str | int, ...]
-
-
-def place_of(key: str) -> Place:
-    """The place of a dotted key whose lists are counted from 1.
-
-    >>> place_of("limits.motion.joints[2].velocity_deg_s")
-    ('limits', 'motion', 'joints', 1, 'velocity_deg_s')
-    """
-    return tuple(int(part) - 1 if part.isdigit() else part for part in re.findall(r"\w+", key))
-
-
 class Doubt(Phrase):
-    """A sentence on values that are doubtful, with their keys, and what it says to write, where keys can."""
+    """A sentence on values that are doubtful, and what it says to write, where keys can."""
 
-    keys: tuple[str, ...] = ()
     writes: tuple[Write, ...] = ()
 
     @classmethod
     def on(cls, sentence: Phrase, keys: Iterable[str], writes: Iterable[Write] = ()) -> "Doubt":
-        """Of dotted keys, entries of lists counted from 1; those of one sum stand in one, with commas."""
+        """Of values by their keys, as in `Phrase.keys`."""
         doubt = cls(sentence)
-        doubt.code, doubt.values, doubt.template = sentence.code, sentence.values, sentence.template
-        doubt.keys, doubt.writes = tuple(keys), tuple(writes)
+        vars(doubt).update(vars(sentence), keys=tuple(keys), writes=tuple(writes))
         return doubt
-
-    @property
-    def places(self) -> tuple[Place, ...]:
-        """Places of its values, numbers in lists from 0; several keys of one sum one by one."""
-        apart = list[str]()
-        for key in self.keys:
-            first, *others = key.split(", ")
-            table = first.rpartition(".")[0]
-            apart += [first, *(f"{table}.{other}" for other in others)]
-        return tuple(map(place_of, apart))
 
 
 class Relation(NamedTuple):

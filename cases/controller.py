@@ -232,7 +232,7 @@ class TwinCatAxes(BlockMemory):
                     "m_twice",
                     "trigger_on_m and trigger_off_m are both {number}; give two M functions",
                     number=self.trigger_on_m,
-                )
+                ).about("trigger_on_m", "trigger_off_m")
             )
         return self
 
@@ -283,14 +283,14 @@ class LinuxCnc(Part):
                     "needs_linear_jerk",
                     "max_linear_jerk_mm_s3 is missing; state [TRAJ]MAX_LINEAR_JERK of the machine's INI file, which "
                     'planner = "s_curve" keeps',
-                )
+                ).about("planner")
             )
         if stated and not smooth:
             raise ValueError(
                 phrase(
                     "linear_jerk_alone",
                     'max_linear_jerk_mm_s3 goes with planner = "s_curve"; remove it, or state that planner',
-                )
+                ).about("max_linear_jerk_mm_s3", "planner")
             )
         return self
 

@@ -1,7 +1,6 @@
 """Tables and keys of a case file replaced by others, and nothing else: comments, order and layout of the rest stay."""
 
 import re
-import tempfile
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
@@ -11,12 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from cases.base.atomic import atomic_file
 from cases.base.errors import CaseError, Code, FileProblem, Write
 from cases.base.file_reading import read_whole
+from cases.base.places import Place, placed
 
 if TYPE_CHECKING:
     from cases.schema import Case
 
-Place = tuple[str | int, ...]
-"""Keys, and numbers in lists, from the top of a file to a value."""
 Change = tuple[str, Any, Any]
 """Dotted key, value before and value after; None: it is not there."""
 
@@ -91,22 +89,10 @@ def write_keys(file: Path, writes: Iterable[Write]) -> Rewritten:
 
 def case_of_text(text: str, file: Path) -> "Case":
     """The case of a text that is not written yet; raises CaseError, which names the file that it is for."""
-    from cases.schema import load_case
+    from cases.schema import Case
+    from cases.tables import tables_in, tables_of  # NumPy, which `hexcite --help` does without
 
-    with tempfile.TemporaryDirectory(prefix="hexcite-") as folder:
-        part = Path(folder) / file.name
-        part.write_text(text, encoding="utf-8")
-        try:
-            return load_case(str(part))
-        except CaseError as error:
-            problem = str(error).removeprefix(f"{part}: ").replace(str(part), str(file))
-            problems = tuple(
-                each.replace(str(part), str(file)) if str(part) in each else each  # which keeps its code
-                for each in error.problems
-            )
-            if len(problems) == 1:
-                problem = problems[0]
-            raise CaseError(file=file, problem=problem, problems=problems, code=Code.WRONG_KIND) from error
+    return tables_of(Case, file, tables_in(text.encode(), file))
 
 
 def _set(file: Path, values: Any, place: tuple[str | int, ...], value: Any) -> None:
@@ -153,14 +139,6 @@ def _without_empty(values: Any, place: tuple[str | int, ...]) -> None:
             return
         del holder[place[-1]]
         place = place[:-1]
-
-
-def placed(place: Iterable[str | int]) -> str:
-    """A place as messages and options name it, entries of lists counted from 1: machine.chain.joints[2].name."""
-    text = ""
-    for part in place:
-        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if text else part
-    return text
 
 
 def _kept(file: Path) -> Path:

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.base.convex import MOST_CORNERS, capsule_around
-from cases.base.phrases import enumerated, phrase, said
+from cases.base.phrases import Phrase, enumerated, phrase
 from cases.base.renamed import renamed
 from cases.base.units import DEG, MM, Array, Flags
 from cases.table_problems import of_named
@@ -75,7 +75,7 @@ METRES = 50.0  # times smaller than others: a length that is not in mm, where th
 WORST_CONDITION = 1e3  # of six lines, moments divided by the size: beyond it errors are amplified a thousandfold
 
 
-def require_spanning(points: Array, directions: Array, problem: str, remedy: str) -> None:
+def require_spanning(points: Array, directions: Array, problem: Phrase, remedy: Phrase) -> None:
     """Raises ValueError unless forces along six lines add up to every force and moment.
 
     Args:
@@ -90,11 +90,11 @@ def require_spanning(points: Array, directions: Array, problem: str, remedy: str
             phrase(
                 "not_spanning",
                 "{problem} (condition {condition}, at most {most}); {remedy}",
-                problem=said(problem),
+                problem=problem,
                 condition=f"{condition:.3g}",
                 most=f"{WORST_CONDITION:.0f}",
-                remedy=said(remedy),
-            )
+                remedy=remedy,
+            ).about(*remedy.keys)
         )
 
 
@@ -134,7 +134,7 @@ class Ring(Part):
                     "ring_form",
                     "a ring has half_angle_deg or included_angle_deg, one of them, with pair_centres_deg, or "
                     "angles_deg alone; state it so",
-                )
+                ).about("half_angle_deg", "included_angle_deg", "angles_deg")
             )
         return self
 
@@ -218,7 +218,7 @@ class HexapodMachine(Part):
                 large=large,
                 other=f"{sizes[large]:.4g}",
                 value=f"{1e3 * sizes[small]:.4g}",
-            )
+            ).about(*(key.removeprefix("machine.") for key in (small, large)))
         require_spanning(
             arms,
             self.home.vector[:3] + arms - self.base.points,
@@ -295,12 +295,18 @@ class Tool(Part):
         if (self.to_mm is None) == (self.corners_mm is None):
             raise ValueError(
                 of_named(
-                    self.name, phrase("axis_or_corners", "state the axis (from_mm, to_mm) or corners_mm, one of them")
+                    self.name,
+                    phrase("axis_or_corners", "state the axis (from_mm, to_mm) or corners_mm, one of them").about(
+                        "to_mm", "corners_mm"
+                    ),
                 )
             )
         if self.corners_mm is not None and "from_mm" in self.model_fields_set:
             raise ValueError(
-                of_named(self.name, phrase("from_with_to", "from_mm goes with to_mm; remove it beside corners_mm"))
+                of_named(
+                    self.name,
+                    phrase("from_with_to", "from_mm goes with to_mm; remove it beside corners_mm").about("from_mm"),
+                )
             )
         return self
 
@@ -422,7 +428,7 @@ class MotionLimits(StrutLengths):
                         name=name,
                         low=f"{low:g}",
                         high=f"{high:g}",
-                    )
+                    ).about(name)
                 )
         return self
 
@@ -432,11 +438,15 @@ class MotionLimits(StrutLengths):
             present = [key for key in keys if getattr(self, key) is not None]
             if not present:
                 raise ValueError(
-                    phrase("missing_or", "{key} is missing; add it, or {other}", key=keys[0], other=keys[1])
+                    phrase("missing_or", "{key} is missing; add it, or {other}", key=keys[0], other=keys[1]).about(
+                        *keys
+                    )
                 )
             if len(present) > 1:
                 raise ValueError(
-                    phrase("state_the_same", "{keys} state the same; remove one", keys=enumerated("both", keys))
+                    phrase("state_the_same", "{keys} state the same; remove one", keys=enumerated("both", keys)).about(
+                        *keys
+                    )
                 )
         return self
 
@@ -477,10 +487,10 @@ def box_problems(workspace: Workspace, motion: MotionLimits) -> Iterator[str]:
                 name=name,
                 inner=inner,
                 outer=outer,
-            )
+            ).about(f"limits.motion.{name}", f"workspace.{name}")
     inner, outer = motion.strut_length_mm, workspace.strut_length_mm
     if max(inner[0], outer[0]) >= min(inner[1], outer[1]):
         yield phrase(
             "no_common_length",
             "limits.motion.strut_length_mm and workspace.strut_length_mm have no length in common; correct one",
-        )
+        ).about("limits.motion.strut_length_mm", "workspace.strut_length_mm")

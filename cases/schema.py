@@ -249,7 +249,7 @@ class Case(Heading):
                     key=key,
                     of=of,
                     like=like,
-                )
+                ).about(key)
         if chain is not None and isinstance(motion, JointMotionLimits):
             yield from joint_problems(chain, motion)
         if chain is None and isinstance(motion, MotionLimits):
@@ -262,7 +262,7 @@ class Case(Heading):
                     "controller.safe_feed_mm_min is missing or faster than limits.motion.velocity_mm_s; give the "
                     "feed of the first move, at most {most} mm/min",
                     most=f"{fastest:g}",
-                )
+                ).about("controller.safe_feed_mm_min")
 
     def _of_its_sensors(self) -> Iterator[str]:
         """Problems of sensors that do not belong to the setup or the machine, or whose noise is half stated."""
@@ -271,7 +271,7 @@ class Case(Heading):
             yield phrase(
                 "setup_2x",
                 'setup "2x" goes with [sensor_frame.struts] and a hexapod: sensors in its struts; change one of them',
-            )
+            ).about("setup")
         if (self.setup == "R" and self.chain is None and not frame.has_moments) or (
             self.chain is not None and (self.setup != "R" or not frame.has_moments)
         ):
@@ -279,7 +279,7 @@ class Case(Heading):
                 "setup_R",
                 'setup "R", and machine.chain, go with a force/torque sensor: write setup = "R" and '
                 "[sensor_frame.transducer], or the setup of the bars",
-            )
+            ).about("setup")
         transducer = frame.transducer
         for key in ("flange", "tcp"):
             if self.chain is not None and transducer is not None and getattr(transducer, key) is not None:
@@ -287,42 +287,42 @@ class Case(Heading):
                     "without_chain",
                     "sensor_frame.transducer.{key} is for cases without a chain; state it as machine.chain.{key}",
                     key=key,
-                )
+                ).about(f"sensor_frame.transducer.{key}")
         if frame.struts is not None and sensors.acceleration_noise is not None:
             yield phrase(
                 "no_shaking_in_struts",
                 "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it",
-            )
+            ).about("sensors.acceleration_noise_m_s2", "sensors.angular_acceleration_noise_rad_s2")
         if (sensors.moment_noise_Nm is not None) != (frame.has_moments and sensors.force_noise_N is not None):
             yield phrase(
                 "moment_noise",
                 "sensors.moment_noise_Nm goes with force_noise_N of a force/torque sensor, and sensors of forces do "
                 "without it; add or remove one",
-            )
+            ).about("sensors.moment_noise_Nm", "sensors.force_noise_N")
         if sensors.range_Nm is not None and (sensors.range_N is None or not frame.has_moments):
             yield phrase(
                 "moment_range",
                 "sensors.range_Nm goes with range_N of a force/torque sensor; add range_N, or remove range_Nm",
-            )
+            ).about("sensors.range_Nm")
         if sensors.force_noise_N is None and (sensors.weights == "stated" or sensors.acceleration_noise is not None):
             yield phrase(
                 "force_noise_missing",
                 'sensors.force_noise_N is missing; weights = "stated" and noise of accelerations go with it, from '
                 "the sensors' data sheet",
-            )
+            ).about("sensors.force_noise_N", "sensors.weights")
         size = sensors.pose_error_N
         if (size is None) != (sensors.pose_error_length_mm is None):
             yield phrase(
                 "pose_error_missing",
                 "sensors: pose_error_N or pose_error_length_mm is missing; give both, as hexcite identify prints them",
-            )
+            ).about("sensors.pose_error_N", "sensors.pose_error_length_mm")
         elif size is not None and (frame.bars is None or self.machine is None or self.setup == "1a"):
             yield phrase(
                 "pose_error_of_bars",
                 "sensors.pose_error_N = {size} is for bars that struts move (setup 1b); remove it and "
                 "pose_error_length_mm",
                 size=f"{size:g}",
-            )
+            ).about("sensors.pose_error_N", "sensors.pose_error_length_mm")
 
     def _of_its_bounds(self) -> Iterator[str]:
         """Problems of bounds of a body that is not identified."""
@@ -339,7 +339,7 @@ class Case(Heading):
                     "tolerances.{key} is of something that this machine does not have; it has {tolerable}",
                     key=key,
                     tolerable=tolerable,
-                )
+                ).about(f"tolerances.{key}")
 
     @cached_property
     def doubts(self) -> tuple[Doubt, ...]:

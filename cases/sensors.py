@@ -283,7 +283,7 @@ class RigidBody(Part):
                     "no rigid body has the principal inertias {values} kg m^2; all must be positive and none larger "
                     "than the sum of the others",
                     values=", ".join(f"{i:.4g}" for i in principal),
-                )
+                ).about("inertia_kg_m2")
             )
         return self
 

@@ -5,7 +5,7 @@ import re
 import reprlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -33,16 +33,32 @@ def explained(model: type[BaseModel], path: Path, error: ValidationError) -> Cas
         for problem in errors
         for words in parts_of(_words(model, problem))
     )
-    meanings = {
-        f"{key.rpartition('.')[0]}.{hint[1] or hint[2]}" for _, key, words in problems if (hint := _HINT.search(words))
-    }
-    problems = [p for p in problems if p[2] != MISSING or (p[1] not in meanings and f".{p[1]}" not in meanings)]
-    problems.sort(key=lambda problem: (problem[0], len(problem[1]) + len(problem[2])))
-    at = phrase("at_key", "{key}: {words}", key="", words="")
-    lines = first_problems([at.filled(key=key, words=words) if key else words for _, key, words in problems])
-    _, key, words = problems[0]
-    problem = enumerated("problems", [words, *lines[1:]])
-    return CaseError(file=path, key=key, problem=problem, problems=lines, code=Code.WRONG_KIND)
+    meanings = {_within_table(key.rpartition(".")[0], _meant(words)) for _, key, words in problems}
+    problems = [p for p in problems if p.words != MISSING or p.key not in meanings]
+    problems.sort(key=lambda problem: (problem.rank, len(problem.key) + len(problem.words)))
+    lines = first_problems([problem.line for problem in problems])
+    first = problems[0]
+    problem = enumerated("problems", [first.words, *lines[1:]])
+    return CaseError(file=path, key=first.key, problem=problem, problems=lines, code=Code.WRONG_KIND)
+
+
+class _Problem(NamedTuple):
+    """A problem of a value or a table, or of several entries of a list that have the same one."""
+
+    rank: int
+    key: str  # dotted, entries of lists counted from 1: [1, 3] of several
+    words: Phrase  # they know the keys that it is about, from the top
+
+    @property
+    def line(self) -> Phrase:
+        """The words with their key."""
+        if not self.key:
+            return self.words
+        return phrase(AT_KEY, "{key}: {words}", key=self.key, words=self.words).about(*self.words.keys)
+
+
+AT_KEY = "at_key"
+"""Code of a problem with its key."""
 
 
 def _name(problem: ErrorDetails) -> str:
@@ -52,20 +68,27 @@ def _name(problem: ErrorDetails) -> str:
     return name if of_a_list and isinstance(name, str) else ""
 
 
-def _together(problems: Iterable[tuple[int, str, Phrase, str]]) -> list[tuple[int, str, Phrase]]:
-    """Rank, key and words of each problem; what is true of several entries of a list is one, with all their names."""
-    alike: dict[tuple[int, str, Phrase, bool], list[tuple[str, str]]] = {}
+def _together(problems: Iterable[tuple[int, str, Phrase, str]]) -> list[_Problem]:
+    """Problems by rank, key and words; what is true of several entries of a list is one, with all their names."""
+    alike: dict[tuple[int, str, Phrase, bool], list[tuple[str, str, tuple[str, ...]]]] = {}
     for rank, key, words, name in problems:
         is_named = bool(name) and words.code == NAMED and words.values["name"] == name
         table, _, number = key.removesuffix("]").rpartition("[") if is_named else (key, "", "")
         problem = words.values["problem"] if is_named else words
-        alike.setdefault((rank, table, problem, is_named), []).append((number, name))
-    return [
-        (rank, f"{table}[{', '.join(n for n, _ in of)}]", of_named(", ".join(name for _, name in of), words))
-        if is_named
-        else (rank, table, words)
-        for (rank, table, words, is_named), of in alike.items()
-    ]
+        keys = key, *(_within_table(key, inner) for inner in words.keys)
+        alike.setdefault((rank, table, problem, is_named), []).append((number, name, keys))
+    found = []
+    for (rank, table, words, is_named), of in alike.items():
+        if is_named:
+            table = f"{table}[{', '.join(number for number, _, _ in of)}]"
+            words = of_named(", ".join(name for _, name, _ in of), words)
+        found.append(_Problem(rank, table, words.about(*(key for *_, keys in of for key in keys if key))))
+    return found
+
+
+def _within_table(table: str, key: str) -> str:
+    """A key of a table, from the top of the file."""
+    return f"{table}.{key}" if table else key
 
 
 NAMED = "named"
@@ -74,11 +97,16 @@ NAMED = "named"
 
 def of_named(name: str, problem: Phrase) -> Phrase:
     """A problem of an entry of a list, with its name."""
-    return phrase("named", "{name}: {problem}", name=name, problem=problem)
+    return phrase(NAMED, "{name}: {problem}", name=name, problem=problem).about(*problem.keys)
 
 
 MISSING = phrase("missing", "is missing; add it")
-_HINT = re.compile(r"did you mean (\w+)\?|write (\w+)$")
+_NEAR, _OTHER_UNIT = "unknown_key_near", "other_unit"
+
+
+def _meant(words: Phrase) -> str:
+    """The key that is meant by one that is not known; empty where none is named."""
+    return str(words.values["near" if words.code == _NEAR else "keys"]) if words.code in (_NEAR, _OTHER_UNIT) else ""
 
 
 def _rank(problem: ErrorDetails) -> int:
@@ -180,14 +208,14 @@ _BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 60
 def _unknown_key(key: str, keys: list[str]) -> Phrase:
     if matches := [name for name in keys if _UNIT.sub("", name) == _UNIT.sub("", key)]:
         return phrase(
-            "other_unit",
+            _OTHER_UNIT,
             "has no unit, or another one than is expected here; write {keys}",
             keys=enumerated("or", matches),
         )
     known = ", ".join(sorted(keys))
     if close := difflib.get_close_matches(key, keys, n=1):
         return phrase(
-            "unknown_key_near",
+            _NEAR,
             "is an unknown key; did you mean {near}? known keys here are {known}",
             near=close[0],
             known=known,

@@ -240,15 +240,22 @@ def tables_of(model: type[Tables], path: Path, data: Mapping[str, Any]) -> Table
 def content_of_tables(path: Path) -> dict[str, Any]:
     """The content of a TOML file as it stands there; raises CaseError where it cannot be read, or is of no machine."""
     try:
-        text = read_whole(path, MOST_BYTES).decode("utf-8-sig")
+        content = read_whole(path, MOST_BYTES)
+    except FileProblem as error:
+        raise CaseError(file=path, problem=error.problem, remedy=error.remedy, code=Code.UNREADABLE) from error
+    return tables_in(content, path)
+
+
+def tables_in(content: bytes, path: Path) -> dict[str, Any]:
+    """The tables in the content of a TOML file; raises CaseError, which names the file that they are for."""
+    try:
+        text = content.decode("utf-8-sig")
         if match := _LONG_KEY.search(text):
             line = 1 + text.count("\n", 0, match.start())
             raise CaseError(
                 file=path, problem=f"line {line} has a key of 50 parts and more", remedy="correct it", code=Code.DAMAGED
             )
         data = tomllib.loads(text)
-    except FileProblem as error:
-        raise CaseError(file=path, problem=error.problem, remedy=error.remedy, code=Code.UNREADABLE) from error
     except UnicodeDecodeError as error:
         raise CaseError(
             file=path, problem=f"cannot be read ({error})", remedy="give a readable UTF-8 file", code=Code.UNREADABLE

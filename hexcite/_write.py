@@ -7,10 +7,10 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from cases.base.errors import CaseError, Code, FileProblem, HexciteError, ProgramError, option
+from cases.base.errors import CaseError, Code, FileProblem, HexciteError, ProgramError, option, whole_sentence
 from cases.base.file_reading import read_whole
 from cases.base.options import default_of, documented
-from cases.base.phrases import phrase
+from cases.base.phrases import phrase, said
 from cases.basis import motion_hash
 from cases.controller import ControllerName
 from cases.readiness import languages_of, readiness
@@ -233,10 +233,10 @@ def naming_another(file: Path, content: bytes, case: Case) -> Iterator[None]:
         yield
     except (ProgramError, CaseError) as error:
         if other := written_for_another(content, case):
-            message = error.typed.removeprefix(f"{file}: ")
+            place = "" if error.said.place == str(file) else error.said.place
             raise ProgramError(
                 file=file,
-                problem=f"is {other}; {message}",
+                problem=f"is {other}; {whole_sentence(said(error.said.problem), place, error.said.remedy)}",
                 remedy=f"name its own case with {option('case')}",
                 code=Code.OTHER_SOURCE,
             ) from error

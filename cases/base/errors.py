@@ -9,7 +9,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-from cases.base.phrases import Phrase, again, enumerated, phrase, said
+from cases.base.phrases import Phrase, again, enumerated, parts_of, phrase, said
 
 ALSO = "; also: "  # between problems of one error
 MOST_PROBLEMS = 50  # of one error; a file with more of them is of another kind, or damaged by a program
@@ -173,6 +173,20 @@ class HexciteError(Exception):
         error.said = self.said._replace(remedy=enumerated("problems", [self.said.remedy, *sentences]))
         return error
 
+    def without(self, code: str) -> Self:
+        """The same error without the remedy of this code, where it names several: of a reader who has no such way.
+
+        >>> remedies = ["identify again", phrase(AT_OWN_RISK, "go on at your own risk")]
+        >>> error = HexciteError(problem="is old", remedy=enumerated("comma_or", remedies), code=Code.STALE)
+        >>> print(error.without(AT_OWN_RISK))
+        is old; identify again
+        """
+        others = [each for each in parts_of(said(self.said.remedy), "comma_or") if each.code != code]
+        error = copy(self)
+        error.said = self.said._replace(remedy=enumerated("comma_or", others))
+        error.args = (whole_sentence(said(self.said.problem), self.said.place, error.said.remedy),)
+        return error
+
     def in_doubt(self) -> Self:
         """The same error, of which the cause is to be looked for."""
         self.doubtful = True
@@ -223,6 +237,8 @@ def whole_sentence(problem: Phrase, place: str, remedy: str = "") -> Phrase:
 
 AT_PLACE = "at_place"
 """Code of a sentence with its place."""
+AT_OWN_RISK = "at_own_risk"
+"""Code of a remedy that goes on although something speaks against it."""
 
 
 def _typed(sentence: Phrase) -> Phrase:
@@ -413,3 +429,7 @@ class FileProblem(HexciteError, OSError):
 
 class Interrupted(BaseException):
     """Ctrl-C, with what the user reads; the command-line library has a word of its own for KeyboardInterrupt."""
+
+
+UNTOUCHED = "interrupted; nothing was written"
+"""What the command line says of a command that was interrupted before it wrote anything."""

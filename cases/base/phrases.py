@@ -1,7 +1,7 @@
 """Sentences by codes: an English text that knows what it was made of, so that it can be said in other languages."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 Sign = Literal["or", "and", "both", "comma", "comma_or", "semicolon", "problems"]
 SIGNS: Mapping[Sign, str] = {
@@ -27,6 +27,18 @@ class Phrase(str):
     code: str = QUOTED
     values: Mapping[str, Any] = {}
     template: str = "{text}"  # the text with places in braces
+    keys: tuple[str, ...] = ()
+    """Dotted keys of a case that it is about, entries of lists counted from 1; those of one sum in one, with commas."""
+
+    def about(self, *keys: str) -> Self:
+        """The same with the keys that it is about.
+
+        >>> phrase("swapped", "lower limit is not below upper limit").about("workspace.x_mm").keys
+        ('workspace.x_mm',)
+        """
+        keyed = type(self)(self)
+        vars(keyed).update(vars(self), keys=keys)
+        return keyed
 
     def filled(self, **values: object) -> "Phrase":
         """The same with other values in some of its places.
@@ -34,7 +46,7 @@ class Phrase(str):
         >>> phrase("off", "strut {which} is off by {size}", which=2, size=OPEN).filled(size="1 mm")
         'strut 2 is off by 1 mm'
         """
-        return phrase(self.code, self.template, **{**self.values, **values})
+        return phrase(self.code, self.template, **{**self.values, **values}).about(*self.keys)
 
     def to_json(self, shown: Callable[[str], str] = str) -> dict[str, Any]:
         """Entries for programs: `code`, and `values` by the names of their places.
@@ -92,9 +104,9 @@ def said(text: str) -> Phrase:
     return text if isinstance(text, Phrase) else phrase(QUOTED, "{text}", text=text)
 
 
-def parts_of(sentence: Phrase) -> list[Phrase]:
-    """The problems of a sentence of several, else the one that it is."""
-    return list(sentence.values["parts"]) if sentence.code == "problems" else [sentence]
+def parts_of(sentence: Phrase, sign: Sign = "problems") -> list[Phrase]:
+    """The parts of an enumeration by this sign, such as problems, else the one sentence that it is."""
+    return list(sentence.values["parts"]) if sentence.code == sign else [sentence]
 
 
 def again(text: str, entries: object) -> Phrase:

@@ -26,7 +26,7 @@ from platformdirs import user_cache_path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cases.base.atomic import WRITTEN
-from cases.base.errors import FileProblem, HexciteError, Interrupted
+from cases.base.errors import AT_OWN_RISK, UNTOUCHED, FileProblem, HexciteError, Interrupted
 from hexcite.cli import cases, compare, console, demo, identify, limits, page, plan, poses, programs, results, study
 from hexcite.cli import use as force
 
@@ -68,10 +68,13 @@ for command in (
     app.command()(command)
 
 
-def main() -> None:
+def main(own_risk: bool = True) -> None:
     """Entry point: 0 done, 1 a line on stderr for each reason why not, 2 wrong usage, 130 interrupted.
 
     Interrupted is a command by Ctrl-C, and where it is to end: kill, a terminal that is closed.
+
+    Args:
+        own_risk: whether errors offer what is done at one's own risk, by an option that a page does not have.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -82,13 +85,14 @@ def main() -> None:
     try:
         with ctrl_c_raises(), warnings_on_stderr(), noted(written):
             app()
-    except HexciteError as error:
+    except HexciteError as refusal:
+        error = refusal if own_risk else refusal.without(AT_OWN_RISK)
         if "--json" in sys.argv and not console.given:
             print(json.dumps({"error": error.to_json()}), flush=True)
         _stop(*error.lines)
     except Interrupted as error:
-        there = f"{', '.join(written)} stand{'s' * (len(written) == 1)} there" if written else "nothing was written"
-        print(f"hexcite: interrupted; {str(error) or there}", file=sys.stderr)
+        there = f"interrupted; {', '.join(written)} stand{'s' * (len(written) == 1)} there" if written else UNTOUCHED
+        print(f"hexcite: {f'interrupted; {error}' if str(error) else there}", file=sys.stderr)
         sys.exit(130)
     except OSError as error:
         _stop(*FileProblem.of(error).lines)

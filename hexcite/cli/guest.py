@@ -34,4 +34,4 @@ if __name__ == "__main__":
     sys.argv[:] = ["hexcite", *sys.argv[2:]]
     from hexcite.cli import main
 
-    main()
+    main(own_risk=False)

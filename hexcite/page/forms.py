@@ -23,7 +23,7 @@ def chosen(fields: Fields, name: str, among: Collection[str], default: str | Non
     """The choice of a field; raises Unfit where it is none of those that there are."""
     text = field(fields, name, default or "")
     if text not in among:
-        raise Unfit("no_choice", name=name, text=text)
+        raise Unfit("no_choice", place=name, text=text)
     return text
 
 
@@ -35,7 +35,7 @@ def number(fields: Fields, name: str, low: float, high: float) -> str:
     except ValueError:
         value = math.nan
     if not low <= value <= high:
-        raise Unfit("no_number_between", name=name, text=text, low=low, high=high)
+        raise Unfit("no_number_between", place=name, text=text, low=low, high=high)
     return text
 
 
@@ -43,7 +43,7 @@ def whole_number(fields: Fields, name: str, low: int, high: int) -> str:
     """A whole number as typed; raises Unfit where it is none, or out of range."""
     text = number(fields, name, low, high)
     if not text.isdecimal():
-        raise Unfit("no_whole_number", name=name, text=text)
+        raise Unfit("no_whole_number", place=name, text=text)
     return text
 
 

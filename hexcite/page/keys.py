@@ -5,9 +5,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, Literal, get_args, get_origin
 
+from cases.base.places import Place
 from cases.chain import Joint, JointLimit
 from cases.controller import ControllerName
-from cases.editing import Place, at, commented
+from cases.editing import at, commented
 from cases.machine import Joints, Ring
 from cases.poses import Poses
 from cases.readiness import languages_of

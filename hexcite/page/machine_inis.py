@@ -31,5 +31,5 @@ def ini_of(root: Path, name: str) -> str:
     """The INI file that a form names, empty where it names none; raises Unfit where there is none, or not all of it."""
     ini = chosen({"ini": [name]}, "ini", ["", *inis(root)], "")
     if ini and includes_beyond(root, ini):
-        raise Unfit("ini_includes", name=ini)
+        raise Unfit("ini_includes", place=ini)
     return ini

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, get_args
 
 from markupsafe import Markup
-from pydantic import ValidationError
 
-from cases.base.errors import HexciteError
+from cases.base.errors import CaseError, HexciteError
 from cases.orientation import ANGLES, CONVENTIONS, OF_ANGLES, QUATERNION, ROTATION
 from cases.recording_format import (
     CLOCK,
@@ -21,6 +21,7 @@ from cases.recording_format import (
     Role,
 )
 from cases.schema import Case
+from cases.tables import tables_of
 from hexcite.page import forms
 from hexcite.page.forms import Fields, field
 from hexcite.page.refusals import Unfit
@@ -192,10 +193,9 @@ def chosen_settings(answer: Mapping[str, Any], fields: Fields) -> dict[str, Any]
     if text := field(fields, "l.filter_cutoff_Hz"):
         settings["filter_cutoff_Hz"] = float(forms.number(fields, "l.filter_cutoff_Hz", 0.01, 1e5)) if text else None
     try:
-        RecordingFormat.model_validate(settings)
-    except ValidationError as error:
-        messages = (str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors())
-        raise Unfit.of(messages) from error
+        tables_of(RecordingFormat, Path("[recording]"), settings)
+    except CaseError as error:
+        raise Unfit.of(error.sentences) from error
     return settings
 
 
@@ -215,9 +215,9 @@ def _with(settings: dict[str, Any], chosen: Mapping[str, str], names: set[str]) 
     trigger = dict(settings.pop("trigger", None) or {})
     for ours, theirs in _group(chosen, "c"):
         if theirs and theirs not in names:
-            raise Unfit("no_column", name=ours, text=theirs)
+            raise Unfit("no_column", place=ours, text=theirs)
         if not theirs and ours in names:
-            raise Unfit("column_is_read", name=ours)
+            raise Unfit("column_is_read", place=ours)
         columns.pop(ours, None)
         if ours == TRIGGER:
             trigger.pop("column", None)
@@ -232,7 +232,7 @@ def _with(settings: dict[str, Any], chosen: Mapping[str, str], names: set[str]) 
             scales[ours] = _number(ours, text, -1e12, 1e12)
     for role, unit in _group(chosen, "u"):
         if unit and (role not in {*Role} or unit not in ROLE_UNITS[Role(role)]):
-            raise Unfit("no_choice", name=role, text=unit)
+            raise Unfit("no_choice", place=role, text=unit)
         units.pop(role, None)
         if unit:
             units[role] = unit
@@ -257,7 +257,7 @@ def _with(settings: dict[str, Any], chosen: Mapping[str, str], names: set[str]) 
 def _number(name: str, text: str, low: float, high: float, whole: bool = False) -> float:
     value = float(forms.number({name: [text]}, name, low, high))
     if whole and value != int(value):
-        raise Unfit("no_whole_number", name=name, text=text)
+        raise Unfit("no_whole_number", place=name, text=text)
     return value
 
 
@@ -266,7 +266,7 @@ def _clock(clock: dict[str, Any], chosen: Mapping[str, str]) -> dict[str, Any]:
         clock.pop("unit", None)
         if unit:
             if unit not in CLOCK_UNITS:
-                raise Unfit("no_choice", name="unit", text=unit)
+                raise Unfit("no_choice", place="unit", text=unit)
             clock["unit"] = unit
     if (period := chosen.get("l.period_ms")) is not None:
         clock.pop("period_ms", None)
@@ -280,10 +280,10 @@ def _layout(settings: dict[str, Any], chosen: Mapping[str, str]) -> dict[str, An
     for key, text in _group(chosen, "l"):
         if key in CHOICES:
             if text and text not in CHOICES[key]:
-                raise Unfit("no_choice", name=key, text=text)
+                raise Unfit("no_choice", place=key, text=text)
         elif key == "orientation":
             if text and text not in CONVENTIONS:
-                raise Unfit("no_choice", name=key, text=text)
+                raise Unfit("no_choice", place=key, text=text)
         elif key not in COUNTS:
             continue
         settings.pop(key, None)

@@ -13,12 +13,14 @@ class Refusal(ValueError):
     Args:
         key: of the text that says it; empty where the library does.
         sentence: of the library.
-        places: values in the text.
+        place: field, or key of the case, that it is at; the sentence does not name it. Empty where there is none.
+        values: in the text.
     """
 
-    def __init__(self, key: str, *, sentence: str = "", **places: object) -> None:
-        self.key, self.sentence, self.places = key, sentence, places
-        super().__init__(sentence or text(key, "en", **places))
+    def __init__(self, key: str, *, sentence: str = "", place: str = "", **values: object) -> None:
+        self.key, self.sentence, self.place, self.values = key, sentence, place, values
+        words = sentence or text(key, "en", **values)
+        super().__init__(f"{place}: {words}" if place else words)
 
     @classmethod
     def of(cls, lines: Iterable[str]) -> Self:

@@ -13,11 +13,13 @@ from typing import Any, NamedTuple
 from cases.base.atomic import atomic_file
 from cases.base.errors import CaseError, HexciteError, Write
 from cases.base.phrases import Phrase, said
+from cases.base.places import Place, places_of
 from cases.base.text_formats import toml_value
 from cases.contradictions import Doubt
-from cases.editing import Place, at, case_of_text, with_values, write_keys
+from cases.editing import at, case_of_text, with_values, write_keys
 from cases.readiness import readiness
 from cases.schema import Case
+from cases.table_problems import AT_KEY
 from cases.tables import CASE_FILE, Part, is_needed
 from hexcite.page.keys import (
     SIMULATED_BODY,
@@ -159,7 +161,7 @@ def _usual(data: Mapping[str, Any], example: Mapping[str, Any], place: Place, pa
 def _entry(place: Place, value: Any, part: type[Part] | None, mark: str, doubts: Iterable[Doubt] = ()) -> Entry:
     key = str(place[-1])
     value_text = "" if value is None else value if isinstance(value, str) else toml_value(value)
-    doubts_of_key = tuple(doubt for doubt in doubts if place in doubt.places)
+    doubts_of_key = tuple(doubt for doubt in doubts if place in places_of(doubt))
     listed = isinstance(value, list) and all(isinstance(each, str) for each in value)
     choices = ("true", "false") if isinstance(value, bool) else () if listed else choices_of(part, key)
     ways = () if isinstance(value, str) else spellings(key, () if part is None else part.model_fields.keys())
@@ -236,7 +238,7 @@ def _remark(sentence: Phrase, there: Collection[Place]) -> Remark:
     if not isinstance(sentence, Doubt):
         return Remark(sentence, (), {})
     take = {named(write.place): toml_value(write.value) for write in sentence.writes if write.place in there}
-    fields = tuple(named(place) for place in sentence.places if place in there)
+    fields = tuple(named(place) for place in places_of(sentence) if place in there)
     return Remark(sentence, fields, take if len(take) == len(sentence.writes) else {})
 
 
@@ -264,7 +266,7 @@ def changed(content: str, fields: Mapping[str, str]) -> Changed:
         if kind == "w" and not on:
             continue
         if name not in values or values[name][0][0] in FIXED:
-            raise Refused("no_such_value", name=name)
+            raise Refused("no_such_value", place=name)
         place, before = values[name]
         part = part_of(place[:-1], data)
         if kind == "w" and not any(name == each or (name.startswith(f"{each}.") and text.strip()) for each in on):
@@ -320,7 +322,7 @@ def write_motion_box(file: Path, box: Mapping[str, Any]) -> None:
             k, joint = joints[key]
             place = ("limits", "motion", "joints", k, next(name for name in joint if name.startswith("position_")))
         elif key not in motion:
-            raise Refused("no_such_value", name=f"limits.motion.{key}")
+            raise Refused("no_such_value", place=f"limits.motion.{key}")
         writes.append(Write(place, [float(end) for end in ends]))
     try:
         write_keys(file, writes)
@@ -362,7 +364,7 @@ def _value(name: str, text: str, before: Any) -> Any:
     text = text.strip()
     if isinstance(before, str):
         if len(text) > 2000 or any(ord(letter) < 32 for letter in text):
-            raise Refused("no_line", name=name)
+            raise Refused("no_line", place=name)
         return text
     numbers = before is _ANY or (isinstance(before, list) and all(map(_plain, before)))
     try:
@@ -377,7 +379,7 @@ def _value(name: str, text: str, before: Any) -> Any:
     after = value.get("value")
     if len(value) != 1 or not isinstance(after, kinds) or (bool not in kinds and isinstance(after, bool)):
         key = "no_true_or_false" if bool in kinds else "no_list" if kinds == (list,) else "no_number"
-        raise Refused(key, name=name, text=text)
+        raise Refused(key, place=name, text=text)
     whole = isinstance(before, float) or before is _ANY
     return float(after) if whole and isinstance(after, int) and not isinstance(after, bool) else after
 
@@ -432,32 +434,19 @@ def at_fields(data: Mapping[str, Any], error: CaseError, given: Collection[str] 
         data: tables of the case, with what was typed.
         given: names of the form's fields, `w.NAME` those of keys that were not there.
     """
-    names = {named(place): place for place, _ in leaves((), data)}
+    there = {named(place) for place, _ in leaves((), data)}
     fields, others = dict[str, Refusal](), list[Refusal]()
-    for problem, sentence in zip(error.problems or ("",), error.sentences, strict=False):
-        key = re.sub(r"\[(\d+)\]", lambda number: f"[{int(number[1]) - 1}]", problem.partition(": ")[0])
-        inside = re.findall(r"[a-z_0-9]+(?:\.[A-Za-z_0-9]+)+", problem)  # of a whole table: a value that it names
-        of_entry = _of_entry(data, key, problem.partition(": ")[2])
-        name = next((each for each in (key, key.rpartition("[")[0], of_entry, *inside) if each in names), "")
+    for problem, sentence in zip(map(said, error.problems or ("",)), error.sentences, strict=False):
+        names = [named(each) for place in places_of(problem) for each in (place, place[:-1])]  # of a list its entries
+        name = next((each for each in names if each in there), "")
         field = f"w.{name}" if f"w.{name}" in given and f"v.{name}" not in given else f"v.{name}"
         if name and field not in fields:
-            fields[field] = Refused("", sentence=said(problem), name=problem.partition(": ")[0])
+            keyed = problem.code == AT_KEY
+            key, words = (problem.values["key"], problem.values["words"]) if keyed else ("", problem)
+            fields[field] = Refused("", sentence=words, place=key)
         else:
             others.append(Refused("", sentence=sentence))
     return RefusedFields(fields, others)
-
-
-def _of_entry(data: Mapping[str, Any], table: str, problem: str) -> str:
-    """The value that a problem of a named entry is about: one that it names, else the entry's range; empty for none."""
-    table = re.sub(r"\[.*\]$", "", table)
-    entries = at(data, _place(table)) if table else None
-    name, _, words = problem.partition(" ")
-    for k, entry in enumerate(entries if isinstance(entries, list) else ()):
-        if isinstance(entry, Mapping) and entry.get("name") == name.rstrip(":"):
-            key = next((key for key in entry if key in words), None)
-            key = key or next((key for key in entry if key.startswith("position_")), "")
-            return f"{table}[{k}].{key}"
-    return ""
 
 
 def save(file: Path, content: str) -> None:

@@ -196,18 +196,18 @@ class Words:
         """What the page refuses."""
         if isinstance(refusal, RefusedFields):
             return Markup("; ").join(map(self.refused, (*refusal.fields.values(), *refusal.others)))
-        return self.quoted(refusal.sentence) if refusal.sentence else escape(self.say(refusal.key, **refusal.places))
+        words = self._without_place(refusal)
+        return Markup("{}: {}").format(refusal.place, words) if refusal.place else words
+
+    def _without_place(self, refusal: Refusal) -> Markup:
+        return self.quoted(refusal.sentence) if refusal.sentence else escape(self.say(refusal.key, **refusal.values))
 
     def refused_fields(self, fields: Mapping[str, Refusal]) -> dict[str, Markup]:
         """What is refused at each field, by its id, without the field's name before it."""
-        return {field: self._at_field(each) for field, each in fields.items()}
+        return {field: Markup(self._commas(self._without_place(each))) for field, each in fields.items()}
 
-    def _at_field(self, refusal: Refusal) -> Markup:
-        sentence = str(self.refused(refusal))
-        name = str(escape(refusal.places.get("name", "")))
-        for before in (f"<code>{name}</code>: ", f"{name}: "):
-            sentence = sentence.replace(before, "", 1) if name else sentence
-        return Markup(sentence if self._own else page_with_commas(sentence))
+    def _commas(self, sentence: str) -> str:
+        return sentence if self._own else page_with_commas(sentence)
 
     def say(self, key: str, **places: object) -> str:
         """A text of the page."""

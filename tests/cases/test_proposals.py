@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cases.base.errors import CaseError
-from cases.contradictions import place_of
-from cases.editing import at, case_of_text, placed
+from cases.base.places import place_of, placed, places_of
+from cases.editing import at, case_of_text
 from cases.schema import Case
 from cases.tables import built_in_cases
 from hexcite.page.keys import leaves
@@ -40,13 +40,13 @@ def test_a_unit_that_was_mistaken_is_mended_by_what_is_proposed(like: str, befor
     assert writes
     for write in writes:
         np.testing.assert_allclose(write.value, right[write.place], rtol=0.01)
-        assert write.place in {place for doubt in doubts for place in doubt.places}
+        assert write.place in {place for doubt in doubts for place in places_of(doubt)}
 
 
 def test_a_doubt_without_a_cure_names_places_and_writes_nothing() -> None:
     (doubt,) = case_with("hexapod", "strut_velocity_m_s = ", "strut_velocity_m_s = 0.00001 # ").doubts
     assert not doubt.writes
-    assert ("limits", "motion", "strut_velocity_m_s") in doubt.places
+    assert ("limits", "motion", "strut_velocity_m_s") in places_of(doubt)
 
 
 def test_joints_in_the_order_of_the_drawing_are_mended_by_what_is_proposed() -> None:

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from cases.base.errors import HexciteError, Write
-from cases.editing import placed, write_keys
+from cases.base.places import placed
+from cases.editing import write_keys
 from cases.scaffold import new_case
 from cases.schema import load_case
 

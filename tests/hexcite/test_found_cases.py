@@ -1,12 +1,16 @@
 """Commands find the case that a result or plan names, also in another folder; --case names another."""
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from cases.base.errors import Code
 from cases.tables import built_in_cases
 from tests.helpers import tells
 from tests.hexcite.command_line import call, refused
@@ -65,6 +69,21 @@ def test_a_case_that_changed_is_refused_by_key_and_stale_stays_written(
         assert "sensors.range_N was 5000, is 6000" in json.dumps(answer)
     for name in ("b.json", "g.csv"):
         assert "sensors.range_N was 5000, is 6000" in (tmp_path / name).read_text()
+
+
+def test_a_command_of_the_page_offers_nothing_at_ones_own_risk(mine: Path, hexapod_file: Path) -> None:
+    """Which takes an option that the page does not have; the other ways stay, for people and for programs."""
+    hexapod_file.write_text(hexapod_file.read_text().replace("range_N = 5000.0", "range_N = 6000.0"), encoding="utf-8")
+    words = ["export", str(mine), "--to", "json", "--force", "--json"]
+    guest = [sys.executable, "-m", "hexcite.cli.guest", str(os.getpid()), *words]
+    ended = subprocess.run(guest, capture_output=True, text=True, check=False)
+    assert ended.returncode == 1
+    error = json.loads(ended.stdout)["error"]
+    assert error["code"] == Code.STALE
+    for told in (ended.stderr, json.dumps(error)):
+        assert "restore" in told
+        assert "--stale" not in told
+    assert "--stale" in refused(*words)
 
 
 @pytest.fixture

@@ -64,5 +64,5 @@ def result_of(there: Workspace, fields: Fields, name: str = "result") -> str:
 def line(name: str, text: str) -> str:
     """A text of one line; raises Unfit for any other."""
     if len(text) > 500 or not text.isprintable():
-        raise Unfit("no_line", name=name)
+        raise Unfit("no_line", place=name)
     return text

@@ -9,8 +9,9 @@ from urllib.parse import quote
 from pydantic import ValidationError
 
 from cases.base.errors import HexciteError, Remedy, Write
+from cases.base.places import placed
 from cases.base.text_formats import toml_value
-from cases.editing import placed, write_keys, write_table
+from cases.editing import write_keys, write_table
 from cases.recording_format import RecordingFormat
 from hexcite.page import forms, reading
 from hexcite.page.actions.common import Action, Context, job_of, recording_of, result_of
@@ -71,7 +72,7 @@ def _looked(context: Context, recording: str) -> Mapping[str, Any]:
     """What the latest look at a recording answered, by the case as it is now."""
     answer = looked_at(context, recording)
     if answer is None:
-        raise Unfit("look_at_it_first", recording=recording)
+        raise Unfit("look_at_it_first", place=recording)
     return answer
 
 

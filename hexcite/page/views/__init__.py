@@ -1,6 +1,5 @@
 """What each stage shows: plain values for its template, read from the folders."""
 
-import re
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any, NamedTuple, Self
 
 from markupsafe import Markup
 
+from cases.base.errors import UNTOUCHED
 from cases.readiness import languages_of
 from hexcite.page import drawing
 from hexcite.page.actions.common import Context
@@ -87,9 +87,6 @@ def warm_up() -> Iterator[None]:
         import_module(name)
 
 
-ENDED = "interrupted; nothing was written"  # which the state of the panel says
-# a way that the page does not have; it has a button that identifies again
-_WITH_STALE = re.compile(", or go on at your own risk with --stale|, oder auf eigene Gefahr mit --stale weitermachen")
 QUIET = 8.0  # [s] after which an identification says what it may be busy with
 
 
@@ -108,8 +105,8 @@ def job(job: Job, language: Language) -> dict[str, Any]:
     return {
         "line": "" if job.over else words.progress(last) if last is not None else _patience(job, words),
         "curve": drawn,
-        "messages": [_WITH_STALE.sub("", each) for each in job.messages[-8:] if each != ENDED] if ended else [],
-        "refused": None if refused is None else Markup(_WITH_STALE.sub("", refused)),
+        "messages": [each for each in job.messages[-8:] if each != UNTOUCHED] if ended else [],
+        "refused": refused,
         "refusal": words.refusal(str(job.refused.get("code"))) if failed and refused is None else "",
         "warnings": job.messages[-8:] if job.state == "done" else [],
     }

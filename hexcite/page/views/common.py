@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from cases.base.errors import Remedy, Write
+from cases.base.places import placed
 from cases.base.text_formats import toml_value
-from cases.editing import placed
 from hexcite.page.stages import RUN_FILE, Made
 from hexcite.page.words import Words
 from identification.texts import legible, std_text, value_text

@@ -301,9 +301,9 @@ def test_keys_and_tables_of_cases_have_german_words():
 
 
 def test_a_refusal_of_the_page_is_a_text_and_one_of_the_library_a_quotation():
-    assert GERMAN.refused(Unfit("no_choice", name="plan", text="x")) == "plan: &#39;x&#39; steht nicht zur Wahl"
+    assert GERMAN.refused(Unfit("no_choice", place="plan", text="x")) == "plan: &#39;x&#39; steht nicht zur Wahl"
     assert GERMAN.refused(Unfit.of(["it is <b>"])) == '<q lang="en">it is &lt;b&gt;</q>'
-    assert str(Unfit("no_choice", name="plan", text="x")) == "plan: 'x' is not a choice"
+    assert str(Unfit("no_choice", place="plan", text="x")) == "plan: 'x' is not a choice"
 
 
 def quotations_in(page: str) -> set[str]:

@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from cases.base.errors import Code, FileProblem, option
-from cases.base.phrases import phrase
+from cases.base.errors import AT_OWN_RISK, Code, FileProblem, option
+from cases.base.phrases import enumerated, phrase
 from cases.basis import COMPUTED_FROM, plan_basis, result_basis
 from cases.editing import write_table
 from cases.recording_format import Role
@@ -649,12 +649,11 @@ def test_a_refused_export_names_no_way_that_the_page_does_not_have():
     problem = FileProblem(
         place="res",
         problem="is old",
-        remedy=phrase(
-            "again_or_stale", "{again}, or {other}, or go on at your own risk with {stale}",
-            again="identify", other="restore", stale=option("stale"),
+        remedy=enumerated(
+            "comma_or", ["identify", "restore", phrase(AT_OWN_RISK, "use {stale}", stale=option("stale"))]
         ),
         code=Code.STALE,
-    )  # fmt: skip
+    ).without(AT_OWN_RISK)
     job = Job("+mill", "use", ("export", "res"), state="failed")
     job.messages, job.refused = [problem.typed], problem.to_json()
     for language in LANGUAGES:

@@ -15,8 +15,9 @@ from cases.schema import load_case
 from hexcite._new_arm import new_arm
 from hexcite.page import values
 from hexcite.page.joint_table import cut_out, spread
-from hexcite.page.refusals import Refused
+from hexcite.page.refusals import Refused, RefusedFields
 from hexcite.page.values import digest, edited, sections
+from hexcite.page.words import ENGLISH
 
 
 @pytest.fixture
@@ -354,3 +355,40 @@ def test_only_keys_of_tables_that_are_there_or_that_a_plan_needs_are_needed(clie
     assert "nominal.mass_kg" in needed
     assert not {name for name in needed if name.startswith(("simulation", "payloads", "controller.", "tolerances"))}
     assert "open" in client.get("/m/+arm/machine").text.partition("</li>")[0]  # the stage asks for these
+
+
+@pytest.mark.parametrize(
+    ("machine", "typed", "field"),
+    [
+        ("hexapod", {"workspace.x_mm": "-1, 1"}, "limits.motion.x_mm"),
+        ("hexapod", {"controller.safe_feed_mm_min": "1e9"}, "controller.safe_feed_mm_min"),
+        ("hexapod", {"nominal.inertia_kg_m2": "1, 0, 0, 1, 0, 9"}, "nominal.inertia_kg_m2"),
+        ("hexapod", {"payloads.weights[1].inertia_kg_m2": "1, 0, 0, 1, 0, 9"}, "payloads.weights[1].inertia_kg_m2"),
+        ("hexapod", {"limits.motion.a_deg": "5, 9"}, "limits.motion.a_deg"),
+        ("hexapod", {"machine.base.ring.radius_mm": "0.7"}, "machine.base.ring.radius_mm"),
+        ("hexapod", {CENTRES: "0, -900, 1e30"}, CENTRES),
+        ("ur10_wrist", {"machine.chain.joints[2].home_deg": "700"}, "machine.chain.joints[2].home_deg"),
+        ("ur10_wrist", {"limits.motion.joints[4].position_deg": "-700, 700"}, "limits.motion.joints[4].position_deg"),
+        ("ur10_wrist", {"limits.motion.joints[3].position_deg": "5, 9"}, "limits.motion.joints[3].position_deg"),
+    ],
+)
+def test_what_a_table_or_a_case_refuses_is_refused_at_the_value(
+    root: Path, machine: str, typed: dict[str, str], field: str
+):
+    """Rules of whole tables too: they know their keys, whatever their sentences say."""
+    file = new_case("other", machine, root / "other")
+    written = edited(file.read_text(), {f"v.{name}": text for name, text in typed.items()})
+    with pytest.raises(RefusedFields) as caught:
+        values.case_of(written.text, file)
+    assert f"v.{field}" in caught.value.fields
+    assert not str(ENGLISH.refused_fields(caught.value.fields)[f"v.{field}"]).startswith(f"{field}: ")
+
+
+def test_joints_of_one_mistake_are_refused_at_the_first_of_them(root: Path):
+    """The case says them in one sentence, with their names."""
+    file = new_case("other", "ur10_wrist", root / "other")
+    names = [f"limits.motion.joints[{k}].position_deg" for k in (1, 3)]
+    written = edited(file.read_text(), {f"v.{name}": "5, 9" for name in names})
+    with pytest.raises(RefusedFields) as caught:
+        values.case_of(written.text, file)
+    assert [*caught.value.fields] == [f"v.{names[0]}"]
