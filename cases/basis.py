@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.base.errors import AT_OWN_RISK, CaseError, Code, FileProblem, option
+from cases.base.errors import CaseError, Code, FileProblem, option
 from cases.base.phrases import NOTHING, enumerated, phrase, said
 from cases.schema import Case, fingerprint, load_case
 from cases.tables import built_in_cases
@@ -187,7 +187,7 @@ def require_unchanged(
             if same
             else phrase("name_own_case", "name its own case with {case}", case=option("case"))
         )
-        at_own_risk = phrase(AT_OWN_RISK, "go on at your own risk with {stale}", stale=option("stale"))
+        at_own_risk = phrase("at_own_risk", "go on at your own risk with {stale}", stale=option("stale"))
         raise FileProblem(
             place=file,
             problem=phrase(

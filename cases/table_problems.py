@@ -54,7 +54,7 @@ class _Problem(NamedTuple):
         """The words with their key."""
         if not self.key:
             return self.words
-        return phrase(AT_KEY, "{key}: {words}", key=self.key, words=self.words).about(*self.words.keys)
+        return phrase("at_key", "{key}: {words}", key=self.key, words=self.words).about(*self.words.keys)
 
 
 AT_KEY = "at_key"
@@ -97,16 +97,16 @@ NAMED = "named"
 
 def of_named(name: str, problem: Phrase) -> Phrase:
     """A problem of an entry of a list, with its name."""
-    return phrase(NAMED, "{name}: {problem}", name=name, problem=problem).about(*problem.keys)
+    return phrase("named", "{name}: {problem}", name=name, problem=problem).about(*problem.keys)
 
 
 MISSING = phrase("missing", "is missing; add it")
-_NEAR, _OTHER_UNIT = "unknown_key_near", "other_unit"
 
 
 def _meant(words: Phrase) -> str:
     """The key that is meant by one that is not known; empty where none is named."""
-    return str(words.values["near" if words.code == _NEAR else "keys"]) if words.code in (_NEAR, _OTHER_UNIT) else ""
+    meant = {"unknown_key_near": "near", "other_unit": "keys"}.get(words.code)
+    return "" if meant is None else str(words.values[meant])
 
 
 def _rank(problem: ErrorDetails) -> int:
@@ -208,14 +208,14 @@ _BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 60
 def _unknown_key(key: str, keys: list[str]) -> Phrase:
     if matches := [name for name in keys if _UNIT.sub("", name) == _UNIT.sub("", key)]:
         return phrase(
-            _OTHER_UNIT,
+            "other_unit",
             "has no unit, or another one than is expected here; write {keys}",
             keys=enumerated("or", matches),
         )
     known = ", ".join(sorted(keys))
     if close := difflib.get_close_matches(key, keys, n=1):
         return phrase(
-            _NEAR,
+            "unknown_key_near",
             "is an unknown key; did you mean {near}? known keys here are {known}",
             near=close[0],
             known=known,
