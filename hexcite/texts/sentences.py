@@ -215,6 +215,10 @@ FINDINGS = {
     "slow_noise": "Der Lauf ist kurz für das Gedächtnis seines Rauschens: {share} % der Varianz sind von Rauschen, "
     "das ein Viertel des Laufs oder länger anhält und von dem der Lauf wenig zeigt; ± ist vielleicht bis zu 1,5-mal "
     "zu klein. Mehrmals so lang aufzeichnen, oder suchen, was driftet",
+    "slow_noise_standing": "Der Stillstand ist kurz für das Gedächtnis seines Rauschens: {share} % der Varianz seiner "
+    "Mittel sind von Rauschen, das ein Viertel davon oder länger anhält; ± der Nullpunkte ist um so viel größer, und "
+    "noch zu klein, wo Rauschen länger anhält als der Stillstand. Mehrmals so lang aufzeichnen, oder suchen, was "
+    "driftet",
     "how_smoothed": "geglättet",
     "how_sharpened": "geschärft",
     "smoothed": "Kräfte sind gegenüber der Bewegung {how}, um {size} ± {std} ms^2, das halbe zweite Moment (Sprünge "

@@ -10,7 +10,7 @@ from cases.base.errors import Code, IdentificationError
 from cases.base.phrases import phrase
 from cases.base.units import Array
 from cases.schema import Case
-from identification.estimation.force_noise import products
+from identification.estimation.standing_mean import StandingMean, standing_mean
 from identification.finding import Finding, Kind, changed_cases, note
 from identification.findings.left_out import LeftOut
 from identification.findings.noise_level import channel_words
@@ -45,7 +45,6 @@ def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[Fi
 
 
 STILL = 1e-4  # [m or rad] that drives may move in a standstill, beside the noise of their encoders
-MEMORIES = 5.0  # lags up to which correlations of noise are summed, over that sum
 FEW = 10  # samples of a standstill that show how tolerances act at its pose, and whether noise remembers
 
 
@@ -83,14 +82,15 @@ def tare(recording: Recording, result: Result) -> Result:
     change, offsets = residuals.mean(axis=0), offset_columns(model)
     values = result.values
     values[offsets] += change
-    moved = _with_new_offsets(result, still, case, scatter_of_mean(residuals))
+    scatter = standing_mean(residuals) if count >= FEW else StandingMean.of_white_noise(residuals)
+    moved = _with_new_offsets(result, still, case, (scatter.white, scatter.covariance))
     std = moved.change_std
     drift = drifted_since(change, std, case, result.source)
     physical, stale = physical_values(model, values, moved.white, moved.robust), recording.remarks + result.remarks
     findings = [_finding_after(finding, moved, values, result) for finding in result.findings]
     record = result.record.replaced(
         **entries_of_parameters(physical, values, moved.white, moved.robust),
-        findings=(*findings, *drift, *changed_cases(stale)),
+        findings=(*findings, *drift, *_short_for_its_noise(scatter), *changed_cases(stale)),
         tared_with=str(recording.paths[0]) if recording.paths else recording.source,
         tared={
             channel_words(case, k)[0]: {
@@ -184,29 +184,18 @@ def _with_new_offsets(result: Result, still: Standstills, case: Case, scatter: t
     return _Moved(covariances[0], covariances[1], biases, None if open_ is None else -by_scores, np.sqrt(change))
 
 
-def scatter_of_mean(residuals: Array) -> tuple[Array, Array]:
-    """Covariance of the means of the channels of a standstill by white noise, and by noise with memory.
-
-    Shapes (6, 6), of residuals, shape (n, 6). Channels are taken to remember alike: the sum of their correlations is
-    cut where it no longer grows, at five times what it is (Sokal 1997, Functional Integration, 131); subtracted means
-    take a part of it away, which is put back. Noise slower than a seventh of the standstill is seen in part.
-    """
-    count = len(residuals)
-    off = residuals - residuals.mean(axis=0)
-    variances = np.maximum(off.var(axis=0, ddof=1), np.finfo(float).tiny)
-    pairs = np.mean([products(channel) for channel in (off / np.sqrt(variances)).T], axis=0)[1:] / count
-    sums = np.maximum(1.0 + 2.0 * np.cumsum(pairs), 1.0)
-    lags = 1.0 + np.arange(len(sums))
-    far = np.flatnonzero(lags >= MEMORIES * sums)
-    cut = int(far[0]) if len(far) else len(sums) // 3
-    length = most = max(count / 4.0, 1.0)
-    share = (2.0 * lags[cut] + 1.0) / count  # of the length that is missing in each correlation up to the cut
-    if share < 1.0:
-        length = float(np.clip(sums[cut] / (1.0 - share), 1.0, most))
-    white = np.diag(variances) / count
-    if count < FEW:
-        return white, white
-    return white, np.cov(off.T) / count * length / (1.0 - length / count)
+def _short_for_its_noise(scatter: StandingMean) -> list[Finding]:
+    """A note where much of the variance of the means is of noise of which a standstill shows little."""
+    if not scatter.short:
+        return []
+    sentence = phrase(
+        "slow_noise_standing",
+        "the standstill is short for what its noise remembers: {share} % of the variance of its means is of noise that "
+        "lasts for a quarter of it or longer; +- of the offsets is so much larger, and still too small where noise "
+        "lasts longer than the standstill; record several times as long, or find what drifts",
+        share=f"{100.0 * scatter.slow:.0f}",
+    )
+    return [note(Kind.NOISE, sentence, slow_noise=scatter.slow)]
 
 
 def _finding_after(finding: Finding, moved: _Moved, values: Array, result: Result) -> Finding:

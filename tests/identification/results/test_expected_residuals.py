@@ -16,7 +16,7 @@ from identification.results.expected_errors import effects_in, errors_of
 from identification.results.expected_residuals import used_samples
 from identification.results.force import force
 from identification.results.frames import place_of
-from identification.results.taring import scatter_of_mean, tare
+from identification.results.taring import tare
 from tests.bench.forces_in_use import Machined, Still, figures, force_errors, tare_errors
 from tests.bench.silent import way_of
 from tests.damaged.runs import SOUND, Change, Moves, Noise, machine, recorded
@@ -122,21 +122,6 @@ def test_a_tare_near_the_run_cancels_what_tolerances_do_to_its_offsets(name: str
         for name in names:
             parts = sum(v**2 for v in tared.budget[name].values())
             assert parts == pytest.approx(tared[name].reported ** 2, rel=0.1)
-
-
-def test_the_mean_of_a_standstill_counts_noise_that_remembers() -> None:
-    rng, share = np.random.default_rng(4), np.exp(-1.0 / 100.0)
-    ratios = []
-    for _ in range(12):
-        steps = rng.normal(size=(3000, 6))
-        slow = np.zeros((3001, 6))
-        for k, step in enumerate(steps):
-            slow[k + 1] = share * slow[k] + step * np.sqrt(1.0 - share**2)
-        x = 0.5 * rng.normal(size=(2000, 6)) + slow[-2000:]
-        white, coloured = scatter_of_mean(x)
-        assert np.all(np.diag(coloured) > 4.0 * np.diag(white))
-        ratios.append(x.mean(axis=0) / np.sqrt(np.diag(coloured)))
-    assert 0.8 < np.sqrt(np.mean(np.square(ratios))) < 1.35
 
 
 @pytest.mark.slow

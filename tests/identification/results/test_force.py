@@ -141,6 +141,15 @@ def test_a_tare_in_coloured_noise_is_less_certain(saved: Result) -> None:
     assert np.all(deviations > 3.0 / np.sqrt(400))
 
 
+def test_a_standstill_that_is_short_for_its_noise_is_told_so(saved: Result) -> None:
+    record, draw = standing(), np.random.default_rng(3)
+    slow = replace(record, forces=record.forces + np.cumsum(draw.normal(size=(400, 6)), axis=0))
+    told = {k: tare(of, saved).record.findings for k, of in (("slow", slow), ("white", record))}
+    shares = {k: [f.quantity["slow_noise"] for f in of if "slow_noise" in f.quantity] for k, of in told.items()}
+    assert not shares["white"]
+    assert shares["slow"][0] > 0.5
+
+
 def test_a_tared_result_is_a_result(saved: Result, tmp_path: Path) -> None:
     tared = tare(standing(shift=2.5), saved)
     tared.save(tmp_path / "tared")
