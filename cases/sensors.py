@@ -142,6 +142,11 @@ class StrutSensors(Part):
     coulomb_friction_Nm: tuple[NonNegative, NonNegative] | None = None
     """Friction in the same joints, independent of the speed; part of the model where it is given."""
 
+    @property
+    def carried_kg(self) -> float:
+        """Mass of the rods beyond the sensors: forces count it as part of the body; 0 for sensors at the platform."""
+        return 6.0 * self.rod_mass_kg if self.at == "drive" else 0.0
+
 
 class SensorFrame(Part):
     """Where the forces are measured: a frame of bars, a force/torque sensor, or the struts; exactly one of them."""

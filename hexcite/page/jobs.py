@@ -20,6 +20,7 @@ from hexcite.page.journal import Journal, alive
 
 State = Literal["waiting", "running", "stopping", "done", "failed", "stopped", "killed"]
 _OVER: tuple[State, ...] = ("done", "failed", "stopped", "killed")
+CHECK, SETTINGS = "check", "settings"  # what jobs are about that say nothing once the case has changed
 MOST_LINE = 2**20  # bytes of a line of stderr
 MOST_KEPT = 50  # jobs that have ended
 PATIENCE = 20.0  # [s] that a search has to write its best motion when the server ends

@@ -27,7 +27,7 @@ from hexcite.page import views
 from hexcite.page.actions.common import Context
 from hexcite.page.arrivals import WAIT, Runs, TooLarge, left_over, received
 from hexcite.page.forms import field
-from hexcite.page.jobs import Job, Jobs
+from hexcite.page.jobs import CHECK, SETTINGS, Job, Jobs
 from hexcite.page.journal import Address, keep_address
 from hexcite.page.refusals import NoRecording, Refusal, RefusedFields
 from hexcite.page.security import MOST_UPLOAD, PICTURE, REPORT, Guard, Outside, file_name, form_of, inside
@@ -338,9 +338,12 @@ class _Page:
         not either, and the browser goes on following it.
 
         Args:
-            changed: when the case was, since the epoch [s]: what was refused before may be true no longer.
+            changed: when the case was, since the epoch [s]: what was refused before may be true no longer, and a check
+                of other values is not shown.
         """
-        return [{"job": job, "over": job.over, "html": self._panel(request, job, changed)} for job in jobs]
+        outdated = {job for job in jobs if job.state == "done" and job.finished < changed}
+        shown = [job for job in jobs if job not in outdated or job.about not in (CHECK, SETTINGS)]
+        return [{"job": job, "over": job.over, "html": self._panel(request, job, changed)} for job in shown]
 
     def _panel(self, request: Request, job: Job, changed: float = 0.0) -> Any:
         from markupsafe import Markup

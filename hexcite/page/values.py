@@ -18,7 +18,7 @@ from cases.base.text_formats import toml_value
 from cases.contradictions import Doubt
 from cases.editing import at, case_of_text, with_values, write_keys
 from cases.readiness import readiness
-from cases.schema import Case
+from cases.schema import NO_TITLE, Case
 from cases.table_problems import AT_KEY
 from cases.tables import CASE_FILE, Part, is_needed
 from hexcite.page.keys import (
@@ -121,7 +121,7 @@ def sections(content: str, case: Case | None) -> tuple[Section, ...]:
         if place[0] not in FIXED:
             part = part_of(place[:-1], data)
             mark = "mine"
-            if place in begun and begun[place] == value:
+            if (place in begun and begun[place] == value) or (place == ("title",) and value == NO_TITLE):
                 mark = "example"
             elif part is not None and place[-1] in part.model_fields and not data.get("template"):
                 mark = "typical" if _usual(data, example, place, part) == value else "mine"
@@ -287,7 +287,7 @@ def changed(content: str, fields: Mapping[str, str]) -> Changed:
             place = (*place[:-1], way.key)
         elif kind == "v" and after == before:
             continue
-        elif not isinstance(after, str) and "," in text and toml_value(after) != text.strip():
+        elif not isinstance(after, str) and _reads_otherwise(text, after):
             converted.append(place, f"= {toml_value(after)} ({text.strip()})")
         _put(tables, place, after)
     return Changed(tables, converted.lines(), refused)
@@ -384,6 +384,14 @@ def _value(name: str, text: str, before: Any) -> Any:
     return float(after) if whole and isinstance(after, int) and not isinstance(after, bool) else after
 
 
+def _reads_otherwise(text: str, value: Any) -> bool:
+    """Whether the numbers of a value are not those that a reader sees in what was typed, in their order."""
+    seen = [part for part in re.split(r"[\s,;\[\]]+", text) if part]
+    numbers = value if isinstance(value, list) else [value]
+    plain = all(map(_NUMBER.fullmatch, seen)) and all(map(_plain, numbers))
+    return toml_value(value) != text.strip() if not plain else [float(part) for part in seen] != numbers
+
+
 def _plain(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
@@ -398,9 +406,18 @@ def _list(text: str, before: Any) -> str:
 
     Semicolons or blanks part numbers that may have decimal commas or points: `0,5; 120; 240`. Commas part numbers where
     a blank follows each (`0, 120, 240`), and without any blanks where there are three or more, as many as before.
+    `±60` and `+-60` are two ends, `200` stands for each of three or more that were equal before, and two dots stand
+    between two ends (`-60 .. 60`).
     """
     own = text[1:-1].strip() if text[:1] == "[" and text[-1:] == "]" else text
-    if ";" in own:
+    count = len(before) if isinstance(before, list) else 0
+    if count == 2 and (ends := re.fullmatch(r"(?:±|\+/?-)\s*([\d.,]+)", own)):
+        parts = [f"-{_point(ends[1])}", _point(ends[1])]
+    elif count == 2 and (ends := re.fullmatch(r"(\S+)\s*\.\.\.?\s*(\S+)", own)):
+        parts = [_point(ends[1]), _point(ends[2])]
+    elif count > 2 and before[0] and len(set(before)) == 1 and _NUMBER.fullmatch(_point(own)):
+        parts = [_point(own)] * count
+    elif ";" in own:
         parts = [_point(part.strip()) for part in own.split(";")]
     elif own != text or (before is _ANY and not re.search(r"\s", own)):
         return _point(text)

@@ -1,5 +1,6 @@
 """What commands and cases answer, in the language of the page: by codes where they have some, else as a quotation."""
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -19,6 +20,8 @@ from hexcite.texts.decimals import page_with_commas
 from identification.limits.limit import LimitKind
 from identification.recording.formats.reasons import Why
 from identification.texts import begun, parameter_words
+
+_CODE = re.compile("`([^`]+)`")  # as docstrings mark it
 
 CONTROLS = {
     "linuxcnc": "LinuxCNC", "sinumerik": "SINUMERIK", "twincat": "TwinCAT", "urscript": "URScript", "ros2": "ROS 2",
@@ -62,10 +65,9 @@ class Words:
         return self._of(TABLES, section.owners, section.words)
 
     def _of(self, table: Mapping[str, str], names: Iterable[str], english: str) -> Markup:
-        if self._own:
-            return escape(english)
-        entry = next((table[name] for name in names if name in table), None)
-        return self.quoted(english) if entry is None else escape(entry)
+        entry = None if self._own else next((table[name] for name in names if name in table), None)
+        words = escape(english) if self._own else self.quoted(english) if entry is None else escape(entry)
+        return Markup(_CODE.sub(r"<code>\1</code>", str(words)))  # escaped above
 
     def limit(self, name: str, place: str = "") -> str:
         """A limit by its name, with the strut, joint or body that comes closest."""

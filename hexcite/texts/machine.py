@@ -110,6 +110,12 @@ TEXTS: dict[str, tuple[str, str]] = {
         "{share} % of the motion box is within reach; farthest out: {limit}.",
         "{share} % des Bewegungsbereichs sind erreichbar; am weitesten außen: {limit}.",
     ),
+    "reach_note": (
+        "That is no fault: motions are searched for in the part that is.",
+        "Das ist kein Fehler: Bewegungen werden im erreichbaren Teil gesucht.",
+    ),
+    "no_doubts": ("No value is doubtful.", "Kein Wert ist zweifelhaft."),
+    "of_example": ("{count} of the example", "{count} vom Beispiel"),
     "proposal": (
         "This box is within reach as a whole; its values are for limits.motion below.",
         "Dieser Bereich ist ganz erreichbar; seine Werte gehören unten in limits.motion.",

@@ -45,11 +45,12 @@ TEXTS: dict[str, tuple[str, str]] = {
     "verdict_enforces": ("The controller ({dialect}) enforces: {what}.", "Die Steuerung ({dialect}) hält ein: {what}."),
     "verdict_nobody": ("Nobody enforces: {what}.", "Niemand hält ein: {what}."),
     "verdict_beyond": ("Exceeded, and nobody enforces: {what}.", "Überschritten, und niemand hält ein: {what}."),
+    "add_settings": ("Add settings of {control}", "Einstellungen von {control} hinzufügen"),
     "without_settings": (
-        "No settings yet of {names}: the values of the machine have them under what is not stated, to be switched on.",
-        "Noch keine Einstellungen von {names}: Bei den Werten der Maschine lassen sie sich unter dem, was nicht "
-        "angegeben ist, einschalten.",
+        "What is added are usual values, as a beginning: compare them with what the builder of the machine says.",
+        "Hinzugefügt werden übliche Werte als Anfang: mit den Angaben des Herstellers der Maschine vergleichen.",
     ),
+    "see_settings": ("Settings of the controllers", "Einstellungen der Steuerungen"),
     "verdict_settings": (
         "What the controller enforces, it enforces by its own settings of axes and drives: they must be no larger than "
         "the limits of the case.",

@@ -26,8 +26,8 @@ TEXTS: dict[str, tuple[str, str]] = {
     "no_such_value": ("there is no such value", "diesen Wert gibt es nicht"),
     "no_true_or_false": ("{text!r} is not true or false", "{text!r} ist weder true noch false"),
     "no_list": (
-        "{text!r} is not a list of numbers; write 0, 120, 240, and with decimal commas 0,5; 120,5; 240,5",
-        "{text!r} ist keine Liste von Zahlen; 0; 120; 240 schreiben, mit Dezimalkommas 0,5; 120,5; 240,5",
+        "{text!r} is not a list of numbers; write 0, 120, 240 or ±60, and with decimal commas 0,5; 120,5; 240,5",
+        "{text!r} ist keine Liste von Zahlen; 0; 120; 240 oder ±60 schreiben, mit Dezimalkommas 0,5; 120,5; 240,5",
     ),
     "no_number": ("{text!r} is not a number", "{text!r} ist keine Zahl"),
     "no_number_between": (

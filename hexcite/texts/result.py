@@ -48,6 +48,11 @@ TEXTS: dict[str, tuple[str, str]] = {
     "to_menus": ("Change how the recording is read", "Ändern, wie die Aufzeichnung gelesen wird"),
     "value": ("value", "Wert"),
     "deviation": ("±", "±"),
+    "with_rods": (
+        "Mass, centre of gravity and inertia include the six rods ({mass} kg), which sensors at the drives carry.",
+        "Masse, Schwerpunkt und Trägheit enthalten die sechs Stäbe ({mass} kg), die die Sensoren an den Antrieben "
+        "mittragen.",
+    ),
     "deviation_note": (
         "± is one standard deviation: the larger of that for white noise and the robust one.",
         "± ist eine Standardabweichung: die größere aus der für weißes Rauschen und der robusten.",

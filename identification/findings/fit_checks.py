@@ -151,7 +151,7 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
     """What to say of a mass [kg] that is far from nominal, with any number of the case's payloads."""
     low, high = THOUSANDTH  # sensors at the drive's end of the struts carry the whole rods, which are part of the mass
     struts = case.sensor_frame.struts
-    rods = 6 * struts.rod_mass_kg if struts is not None and struts.at == "drive" else 0.0
+    rods = 0.0 if struts is None else struts.carried_kg
     nominal, *_ = masses = [body.mass_kg + rods for body in case.bodies]
     if low < mass / nominal < high or low < nominal / max(mass, GRAM) < high:
         units, form = ROLE_UNITS[Role.FORCES], case.recording

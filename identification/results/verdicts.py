@@ -191,7 +191,9 @@ def _mass(result: Result, case: Case, limits: Acceptance) -> Iterator[Check | st
     elif result.mounted:
         yield phrase("payload_was_mounted", "mass: a payload was mounted, [nominal] is the machine without it")
     else:
-        off = 100.0 * abs(mass.value / case.nominal.mass_kg - 1.0)
+        struts = case.sensor_frame.struts
+        expected = case.nominal.mass_kg + (0.0 if struts is None else struts.carried_kg)
+        off = 100.0 * abs(mass.value / expected - 1.0)
         yield Check("mass, difference from nominal", off, limits.mass_percent, "%", code="mass")
 
 

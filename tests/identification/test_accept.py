@@ -7,6 +7,7 @@ import pytest
 
 import hexcite as hx
 from cases.acceptance import Acceptance, Reference
+from cases.sensors import SensorFrame
 from cases.tolerances import Tolerances
 from identification.estimation.fit import Value
 from identification.results.payload import common_of
@@ -88,3 +89,15 @@ def test_what_a_payload_has_in_common_with_the_empty_machine_cancels(result: Res
     other = replace(result, record=result.record.replaced(computed_from={"tolerances.gain_percent": 0.1}))
     assert not common_of(result, other).any()
     assert not common_of(result, replace(result, record=result.record.replaced(tolerance_biases=None))).any()
+
+
+@pytest.mark.parametrize(("at", "rods"), [("drive", 12.0), ("platform", 0.0)])
+def test_rods_that_sensors_at_the_drives_carry_are_part_of_the_expected_mass(
+    result: Result, at: str, rods: float
+) -> None:
+    values = {"rod_mass_kg": 2.0, "rod_first_moment_kg_m": 0.9, "tube_first_moment_kg_m": 1.0, "inertia_kg_m2": 1.0}
+    frame = SensorFrame.model_validate({"struts": {"at": at, **values}})
+    verdict = hx.accept(result, result.case.model_copy(update={"sensor_frame": frame}))
+    (mass,) = [check for check in verdict.checks if check.code == "mass"]
+    expected = result.case.nominal.mass_kg + rods
+    assert mass.value == pytest.approx(100.0 * abs(result["m"].value / expected - 1.0), rel=1e-12)

@@ -13,14 +13,14 @@ from cases.tables import CASE_FILE, built_in_cases
 from hexcite.page import forms, joint_table, values
 from hexcite.page.actions.common import Action, Context, job_of
 from hexcite.page.forms import Fields, chosen, field
-from hexcite.page.jobs import Job
+from hexcite.page.jobs import CHECK, Job
 from hexcite.page.refusals import Refusal, Refused, Unfit
 from hexcite.page.stages import Workspace, own_machines
 
 
 def _check(context: Context, there: Workspace, fields: Fields) -> Job:
     propose = ["--propose"] if field(fields, "propose") else []
-    return job_of(context, "machine", ["case", "check", context.machine.argument, *propose], about="check")
+    return job_of(context, "machine", ["case", "check", context.machine.argument, *propose], about=CHECK)
 
 
 def _box(context: Context, there: Workspace, fields: Fields) -> Job:

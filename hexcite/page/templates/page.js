@@ -316,7 +316,7 @@ for (const kept of document.querySelectorAll("form[data-unsaved]")) { // typed v
     if (!saving && (kept.hasAttribute("data-given") || now() !== before)) event.preventDefault();
   });
   addEventListener("pageshow", () => { saving = false; });
-  const key = "place " + location.pathname;
+  const key = "place " + kept.getAttribute("action"); // the address of a refused form is another one
   const names = (each) => each.id || each.parentElement.closest("details")?.id + " more";
   const groups = () => [...kept.querySelectorAll("details")];
   kept.addEventListener("submit", () => { // after it the same groups are open, and the same field is in sight

@@ -14,7 +14,7 @@ from hexcite.page.actions.common import Context
 from hexcite.page.jobs import Job
 from hexcite.page.stages import STAGES, Machine, built_in, own_machines, workspace
 from hexcite.page.words import Words
-from hexcite.texts import Language, text
+from hexcite.texts import TEXTS, Language, text
 
 
 class Example(NamedTuple):
@@ -103,6 +103,7 @@ def job(job: Job, language: Language) -> dict[str, Any]:
     drawn: Markup = drawing.curve(job.progress, job.seconds, text("best_curve", language)) if job.search else Markup("")
     ended = job.state in ("failed", "stopped", "killed")
     return {
+        "name": text(kind, language) if (kind := f"job_{job.command[0]}") in TEXTS else job.command[0],
         "line": "" if job.over else words.progress(last) if last is not None else _patience(job, words),
         "curve": drawn,
         "messages": [each for each in job.messages[-8:] if each != UNTOUCHED] if ended else [],

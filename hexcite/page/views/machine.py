@@ -49,6 +49,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "given": {},
         "refused": {},
         "examples": sum(entry.mark == "example" for section in sections for entry in section.entries),
+        "untouched": machine.own and not any(e.mark == "mine" for section in sections for e in section.entries),
         **_lacking(machine, sections),
         "checked": check.answer if check is not None else None,
         "remarks": remarks,

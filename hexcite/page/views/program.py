@@ -7,9 +7,8 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-from cases.controller import ControllerName
-from cases.readiness import languages_of
 from hexcite.page.actions.common import Context
+from hexcite.page.actions.program import without_settings
 from hexcite.page.how_to_record import Recipe, recipe
 from hexcite.page.jobs import Job
 from hexcite.page.machine_inis import inis
@@ -40,11 +39,11 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         ),
         "cut": cut,
         "dialects": context.machine.dialects,
-        "without_settings": _without_settings(context),
+        "without_settings": without_settings(context),
         "inis": inis(context.root) if "linuxcnc" in context.machine.dialects else None,
         "ini": query.get("ini", ""),
         "forms": [form for dialect in context.machine.dialects for form in FORMS.get(dialect, ())],
-        "preferred": _dialect_of(last) or (_preferred(plan, context) if plan is not None else ""),
+        "preferred": query.get("dialect") or _dialect_of(last) or ("" if plan is None else _preferred(plan, context)),
         "recipe": None if _is_slow(content) else _recipe(context, plan, program, content),
         "home": _home(context),
         "steps": _steps(program, _is_slow(content)),
@@ -136,13 +135,6 @@ def _steps(program: Program | None, slow: bool) -> tuple[str, ...]:
     if slow:
         return "step_home", hold, "step_watch"
     return "step_home", hold, "step_slow", "step_record", "step_run", "step_bring"
-
-
-def _without_settings(context: Context) -> list[str]:
-    """Controllers that the machine can have, of which it has no settings."""
-    case = context.machine.case
-    ready = (*context.machine.dialects, ControllerName.VIRTUAL)
-    return [] if case is None else [str(name) for name in languages_of(case) if name not in ready]
 
 
 def _home(context: Context) -> str:

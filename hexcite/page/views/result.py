@@ -40,6 +40,7 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         "written": job.notes if job is not None else (),
         "stated": query.get("stated") == "1",
         **_judged(context, result),
+        "rods": _rods(context),
         "budget": _budget(context.words, result.record),
         "pooled": _pooled(result.record),
         "channels": _channels(context, result.record),
@@ -48,6 +49,13 @@ def shown(context: Context, there: Workspace, query: Query) -> dict[str, Any]:
         **_payload(context, result, [each.name for each in there.results]),
         "again": about["recording"] if about["recording"] in names else "",
     }
+
+
+def _rods(context: Context) -> str:
+    """Mass of the rods that struts' sensors carry as part of the body [kg]; empty where they carry none."""
+    case = context.machine.case
+    struts = None if case is None else case.sensor_frame.struts
+    return "" if struts is None or not struts.carried_kg else f"{struts.carried_kg:.4g}"
 
 
 @lru_cache(64)

@@ -5,7 +5,10 @@ import json
 import math
 import os
 import re
+import subprocess
+import sys
 import time
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +21,7 @@ from cases.base.errors import AT_OWN_RISK, Code, FileProblem, option
 from cases.base.phrases import enumerated, phrase
 from cases.basis import COMPUTED_FROM, plan_basis, result_basis
 from cases.editing import write_table
+from cases.readiness import languages_of
 from cases.recording_format import Role
 from cases.scaffold import new_case
 from cases.schema import Case, load_case
@@ -405,9 +409,26 @@ def test_controls_without_settings_are_named_with_the_way_to_them(root: Path, cl
     case = load_case(str(new_case("posts", "strut_sensors", root / "posts")))
     plan_folder(root, case, "posts-plan")
     page = client.get("/m/+posts/program").text
-    assert "sinumerik, twincat" in page
+    assert re.findall(r'name="control" value="(\w+)"', page) == ["sinumerik", "twincat"]
     assert 'href="/m/+posts/machine#t.controller"' in page
     assert 'id="t.controller"' in client.get("/m/+posts/machine").text
+
+
+def test_usual_settings_of_a_control_are_added_at_a_click(root: Path):
+    case = load_case(str(file := new_case("posts", "strut_sensors", root / "posts")))
+    plan_folder(root, case, "posts-plan")
+    machine = machine_of(root, "+posts")
+    assert machine is not None
+    wanted = {"plan": ["posts-plan"], "control": ["sinumerik"]}
+    context = Context(root, machine, Jobs(root))
+    job = ACTIONS["settings"](context, workspace(root, machine), wanted)
+    assert job.command[:3] == ("case", "set", "posts/case.toml")
+    subprocess.run([sys.executable, "-P", "-m", "hexcite", *job.command], cwd=root, check=True, capture_output=True)
+    assert tomllib.loads(file.read_text())["controller"]["sinumerik"]["transformation"] == "TRAORI"
+    assert "sinumerik" in languages_of(load_case(str(file)))
+    assert workspace(root, machine).plans[0].fresh
+    with pytest.raises(Unfit):
+        ACTIONS["settings"](context, workspace(root, machine), {**wanted, "control": ["linuxcnc"]})  # which it has
 
 
 def test_programs_of_other_plans_stay_in_sight(root: Path, case: Case, client: TestClient):

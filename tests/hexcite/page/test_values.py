@@ -287,6 +287,28 @@ def test_a_list_is_read_as_people_write_it(file: Path, typed: str):
     assert after["machine"]["base"]["ring"]["pair_centres_deg"] == [0, 120, 240]
 
 
+X, FASTEST = "limits.motion.x_mm", "limits.motion.velocity_mm_s"
+
+
+@pytest.mark.parametrize(
+    ("name", "typed", "meant"),
+    [
+        (X, "±60", [-60, 60]), (X, "+-60,5", [-60.5, 60.5]), (X, "+/-60", [-60, 60]), (X, "-40 .. 60", [-40, 60]),
+        (FASTEST, "200", [200, 200, 200]), (FASTEST, "0,5", [0.5, 0.5, 0.5]),
+    ],
+)  # fmt: skip
+def test_limits_are_read_as_drawings_have_them_and_shown_as_they_are_written(
+    file: Path, name: str, typed: str, meant: list[float]
+):
+    written = edited(file.read_text(), {f"v.{name}": typed})
+    assert tomllib.loads(written.text)["limits"]["motion"][name.rpartition(".")[2]] == meant
+    assert len(written.converted) == 1
+
+
+def test_what_is_written_as_it_was_typed_is_not_shown_again(file: Path):
+    assert edited(file.read_text(), {f"v.{X}": "-60, 60", f"v.{FASTEST}": "200 300 400"}).converted == ()
+
+
 @pytest.mark.parametrize(
     ("name", "typed"),
     [
