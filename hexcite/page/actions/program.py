@@ -4,9 +4,9 @@ import tomllib
 from collections.abc import Mapping
 from urllib.parse import quote
 
+from cases.base.places import placed
 from cases.base.text_formats import toml_value
 from cases.controller import ControllerName
-from cases.editing import placed
 from cases.readiness import languages_of
 from hexcite.page import forms
 from hexcite.page.actions.common import Action, Context, job_of
