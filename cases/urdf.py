@@ -224,7 +224,7 @@ def _note_sensors(flange: str, behind: Sequence[str], findings: Findings) -> Non
             "link",
             flange,
             f"behind it stand {listed(behind)}: all of them count as the sensor's load; "
-            f"where one is the frame of the sensor, give --flange {flange} --sensor LINK",
+            f"where one is the frame of the sensor, name it as the sensor, and {flange} as the flange",
         )
 
 
@@ -251,7 +251,7 @@ def _is_controllers(flange: str, behind: Mapping[str, Array], findings: Findings
             "link",
             flange,
             f"it carries the sensor, but {link} is where ROS-Industrial's robots count tools from; "
-            f"machine.chain.flange is left open: give --flange {link} --sensor {flange}, "
+            f"machine.chain.flange is left open: name {link} as the flange and {flange} as the sensor, "
             "or state it in the case",
         )
         return False

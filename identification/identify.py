@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from cases.base.errors import Code, IdentificationError, RecordingError, option
 from cases.base.options import default_of, documented
-from cases.base.phrases import phrase
+from cases.base.phrases import NOTHING, phrase
 from cases.base.phrases import said as spoken
 from cases.base.provenance import date_of
 from cases.base.units import Array
@@ -166,9 +166,16 @@ def _changes_of_case(recording: Recording, case: Case) -> tuple[Finding, ...]:
     changes = changes_since(about.to_json(), recording_basis(case), case.hash)
     if about.case in (None, case.name) or not changes:
         return changed
-    sentence = f"it was recorded with the case {about.case}, not {case.name}: {changes[0]}"
-    sentence += f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
-    return (*changed, warning(Kind.CASE, f"{sentence}; leave --case out"))
+    more = phrase("more_of_them", " ({count} more)", count=len(changes) - 1) if len(changes) > 1 else NOTHING
+    sentence = phrase(
+        "recorded_with_another",
+        "it was recorded with the case {before}, not {case}: {change}{more}; identify it with its own case",
+        before=about.case,
+        case=case.name,
+        change=changes[0],
+        more=more,
+    )
+    return (*changed, warning(Kind.CASE, sentence))
 
 
 def _measuring_time(about: RunRecord, run: Recording, estimate: Estimate) -> float | None:

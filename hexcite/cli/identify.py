@@ -16,6 +16,7 @@ from cases.base.options import Option, default_of
 from cases.base.output_places import check_file, check_folder, output_place
 from cases.editing import Change
 from hexcite.cli import console
+from hexcite.cli.advice import advice
 from hexcite.cli.cases import toml_shown
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes
@@ -206,7 +207,7 @@ def _answer(
         answer["accept"] = verdict.to_json()
         texts.append(verdict)
     answer |= {key: value.to_json() for key, value in beside.items() if key != "models"}  # the result has these
-    console.answered(answer, json, *texts, result, *beside.values())
+    console.answered(answer, json, *texts, result, *beside.values(), *advice(answer))
     if verdict is not None and not verdict.passed:
         raise typer.Exit(1)
 
@@ -314,7 +315,7 @@ def look(
     rows = ([printable(c.name), c.ours or "-", f"{c.unit} (a guess)" if c.guessed else c.unit] for c in report.columns)
     table = aligned(("column", "meaning", "unit"), *rows) if report.columns else []
     texts = [*report.remarks, *table, report.toml, *(f"picture written: {picture}" for picture in pictures)]
-    console.answered(answer, json, *texts, *_end_of_look(report, write, changes))
+    console.answered(answer, json, *texts, *_end_of_look(report, write, changes), *advice(answer))
     if not report.reads:
         raise typer.Exit(1)
 

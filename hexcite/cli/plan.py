@@ -15,6 +15,7 @@ from cases.base.folder_kinds import PLAN
 from cases.base.options import options_of
 from cases.base.output_places import check_folder, output_place
 from hexcite.cli import console
+from hexcite.cli.advice import advice
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes
 from planner.options import FAMILY_WORDS, OF_FAMILIES, Duration, PlanOptions
@@ -99,9 +100,8 @@ def plan(
     written = f"plan written: {folder}, with its report {folder}/report.html"
     identifiable = hx.identifiability(result)
     answer = answer_of_plan(result, folder) | {"identifiability": identifiable.to_json()}
-    console.answered(
-        answer, json, written, result, *([f"identifiability: {identifiable.words}"] if identifiable.sentences else [])
-    )
+    words = [f"identifiability: {identifiable.words}"] if identifiable.sentences else []
+    console.answered(answer, json, written, result, *advice(answer), *words)
 
 
 def with_page_at_hand(remark: "Callable[[Standing], None]") -> "Callable[[Standing], None]":

@@ -11,6 +11,7 @@ from cases.base.folder_kinds import RESULT
 from cases.base.options import default_of
 from cases.base.output_places import check_file, check_folder, output_place
 from hexcite.cli import console
+from hexcite.cli.advice import advice
 from hexcite.cli.console import argument, option, out
 from hexcite.cli.declared import takes
 from identification.options import LoadFrame
@@ -85,7 +86,8 @@ def accept(
     named = None if case is None else hx.load_case(case)
     loaded = hx.Result.load(result, named, stale)
     verdict = hx.accept(loaded)
-    console.answered({"result": str(result), **verdict.to_json()}, json, verdict)
+    answer = {"result": str(result), **verdict.to_json()}
+    console.answered(answer, json, verdict, *advice(answer))
     if not verdict.passed:
         raise typer.Exit(1)
 

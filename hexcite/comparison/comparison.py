@@ -101,8 +101,8 @@ def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
     selection = [e for g in entries for e in g if e.level == (level if common else g[-1].level)]
     if rivals := _models_of_one_run(selection):
         selection = [e for e in selection if e not in rivals]
-        words = "are models of one run, among which deviations do not choose: hexcite identify RUN --model all compares"
-        different.append(f"{', '.join(e.name for e in rivals)} {words} what they predict of samples left out")
+        words = "are models of one run, among which deviations do not choose: identify the run with all models, for "
+        different.append(f"{', '.join(e.name for e in rivals)} {words}what each predicts of samples left out")
     if not common:
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)

@@ -359,7 +359,7 @@ ERRORS = {
     "no_mass_in_model": "Masse: Das Modell hat keine",
     "no_nominal_mass": "Masse: [nominal] nennt keine",
     "payload_was_mounted": "Masse: Es war eine Nutzlast montiert, [nominal] ist die Maschine ohne sie",
-    "no_plan_beside": "der Lauf neben seinem Plan: mit {plan} auswerten",
+    "no_plan_beside": "der Lauf neben seinem Plan: mit dem Plan auswerten",
     "path_error_unknown": "Bahnfehler: Die Aufzeichnung nennt ihn nicht",
     "no_such_deviation": "deviations.{key}: Das Modell hat keinen solchen Parameter",
     "reference_unknown": "Vergleichswert für {name}: ist hier nicht bestimmt",

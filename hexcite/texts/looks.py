@@ -12,7 +12,8 @@ LOOKS = {
     "record_raw_channels": "die rohen Kanäle des Sensors selbst aufzeichnen",
     "may_be_several": "{columns} können {several} sein: in [recording.columns] nennen, welche es sind",
     "other_joint_count": "{columns} sehen aus wie Positionen von {count} Gelenken, die Maschine hat {own}",
-    "joints_or_drives": "{columns} können Gelenke oder Antriebe sein; die Maschine mit --case nennen",
+    "joints_or_drives": "{columns} können Gelenke oder Antriebe sein; die Maschine nennen",
+    "name_the_robot": "den Roboter nennen, für die Reihenfolge seiner Gelenke",
     "not_readings": "{columns}: keine Anzeigen des Sensors, sondern {what}; {remedy}",
     "names_of_case": "die Maschine war für andere Dateien: recording.columns nennt {theirs}, was diese Datei nicht "
     "hat; der Vorschlag nimmt ihre eigenen Namen",

@@ -9,7 +9,6 @@ TEXTS: dict[str, tuple[str, str]] = {
         "No motion can be planned for this machine; the case lacks: {what}. A recording can still be read.",
         "Für diese Maschine ist keine Bewegung planbar; es fehlt: {what}. Eine Aufzeichnung lässt sich lesen.",
     ),
-    "search_again": ("Another search", "Weitere Suche"),
     "motion_seconds": ("Seconds of the motion", "Sekunden der Bewegung"),
     "seconds_usual": (
         "5 to 30 are usual; longer motions give smaller deviations",
@@ -50,7 +49,7 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Acceleration may change in steps, without a limit of jerk (LinuxCNC and URScript need this)",
         "Die Beschleunigung darf springen, ohne Grenze des Rucks (LinuxCNC und URScript brauchen das)",
     ),
-    "seed": ("Another start of the search (--seed)", "Anderer Beginn der Suche (Startzahl, --seed)"),
+    "seed": ("Another start of the search (seed)", "Anderer Beginn der Suche (Startzahl)"),
     "seed_note": (
         "any whole number: each leads to other random starts",
         "eine ganze Zahl: jede führt zu anderen zufälligen Starts",

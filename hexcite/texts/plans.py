@@ -7,26 +7,29 @@ PLANS = {
     "Abweichungen vergleichen",
     "only_start": "der einzige Start",
     "best_start": "der beste von {count} Starts",
-    "not_converged": "{which} war nicht am Ziel ({why}): ohne --starts geht die Suche weiter, bis weitere Starts wenig "
-    "bringen",
+    "not_converged": "{which} war nicht am Ziel ({why}): wo keine Zahl von Starts verlangt ist, geht die Suche weiter, "
+    "bis weitere Starts wenig bringen",
     "at_iterations": "an der Grenze der Iterationen",
     "search_stopped": "durch Zeitgrenze oder Ctrl-C beendet",
     "converged": "am Ziel",
     "short_steps": "seine Schritte wurden zu kurz",
     "drawn_back": "die gefundene Bewegung überschritt eine Grenze und wurde auf {share} % ihrer Wege verkleinert, was "
-    "Information kostet: mit anderer Startzahl (--seed) planen, oder in einem kleineren Bereich",
+    "Information kostet: mit anderer Startzahl planen, oder in einem kleineren Bereich",
     "short_ways": "keine Grenze von Geschwindigkeit oder Kraft ist über {share} % genutzt ({limit}): die Wege sind "
     "kurz für diese Geschwindigkeiten; [limits.motion] weiter angeben, oder {other} versuchen",
     "ended_as_asked": "nach {seconds} s beendet, wie verlangt: die beste von {count} Bewegungen bis dahin",
     "best_of_starts": "der beste von {count} Starts, der nächste hat {loss} % weniger Information: mehr Starts bringen "
     "wenig",
     "family_has": "{family} {efficiency}",
-    "timed_moves": "; für eine Steuerung, die Bewegungen selbst ihre Zeit gibt, --family ptp",
+    "fewer_moves": "weniger Bewegungen",
+    "free_period": "eine freie Periode",
+    "moves_instead": "Bewegungen von Punkt zu Punkt",
+    "timed_moves": "; für eine Steuerung, die Bewegungen selbst ihre Zeit gibt, Bewegungen von Punkt zu Punkt wählen",
     "by_trying": "{family}, durch Probieren: D-Effizienz {most}, und die ersten Starts anderer: {behind}{path}",
     "needless_harmonics": "Oberschwingungen über {order} sind unnötig: ohne sie behält die Bewegung {share} % ihrer "
-    "Information; --order {order} sucht weniger Unbekannte",
-    "whole_periods": "ganze Perioden von {period} s brauchen {taken} s der {duration} s; --duration {more} hat Zeit "
-    "für eine mehr",
+    "Information; Ordnung {order} sucht weniger Unbekannte",
+    "whole_periods": "ganze Perioden von {period} s brauchen {taken} s der {duration} s; {more} s hätten Zeit für "
+    "eine mehr",
     "jerk_left_out": "gemacht für {controller}, das den Ruck nicht begrenzt: Beschleunigungen springen, und die "
     "Grenzen des Rucks der Maschine ({limits}) sind weggelassen, wie verlangt",
     "with_jerk": "mit begrenztem Ruck brauchen dieselben Bewegungen {seconds} s, mit einer D-Effizienz von "

@@ -203,6 +203,11 @@ FINDINGS = {
     "warm_up": "den Sensor warm werden lassen und hexcite tare aufrufen, kurz bevor seine Anzeige zählt",
     "offset_drifts": "Der Nullpunkt von {channel} driftet um {by} {unit} über {over}{how} ({sure} "
     "Standardabweichungen){more}: Das Ergebnis hat den Mittelwert; {remedy}",
+    "recorded_with_another": "Er wurde mit der Maschine {before} aufgezeichnet, nicht mit {case}: {change}{more}; mit "
+    "seiner eigenen auswerten",
+    "another_motion": "Der Lauf ist nicht die Bewegung {which}, {names}; mit seinem eigenen Plan auswerten",
+    "plan_beside": "des Plans daneben",
+    "plans_beside": "eines der Pläne daneben",
     "not_the_plan": "Der Lauf ist nicht die Bewegung des Plans {name}: {share} % von dessen Bahn sind in der "
     "Aufzeichnung; ein anderes Programm lief, oder es wurde nach dem Planen geändert",
     "structural_mode": "Zwischen Antrieben und Sensoren schwingt mit der Bewegung eine Eigenform bei {frequency} Hz "
@@ -210,7 +215,7 @@ FINDINGS = {
     "Rauschen; ± enthält es)",
     "mode_in_band": "{sentence}. Sie liegt im Band der Auswertung: recording.filter_cutoff_Hz = {cutoff} auf {lower} "
     "senken",
-    "tolerances_not_counted": "Keine Toleranz aus [tolerances] ist enthalten: Das geht nicht mit --prior, und nicht, "
+    "tolerances_not_counted": "Keine Toleranz aus [tolerances] ist enthalten: Das geht nicht mit Vorwissen, und nicht, "
     "wo kein Antrieb die Bewegung nennt",
     "slow_noise": "Der Lauf ist kurz für das Gedächtnis seines Rauschens: {share} % der Varianz sind von Rauschen, "
     "das ein Viertel des Laufs oder länger anhält und von dem der Lauf wenig zeigt; ± ist vielleicht bis zu 1,5-mal "

@@ -52,9 +52,11 @@ def as_planned(best: PlanComparison | None, plan: Planned | Sequence[Planned]) -
     if isinstance(plan, Planned) or best.share >= ANOTHER:
         return findings_of(best)
     names = ", ".join(one.name for one in plans)
-    which = f"the plan beside it, {names}" if len(plans) == 1 else f"one of the plans beside it, {names}"
+    one = phrase("plan_beside", "the plan beside it")
+    which = one if len(plans) == 1 else phrase("plans_beside", "one of the plans beside it")
     figures = {"plan": best.plan.name, "share_of_path": round(best.share, 4)}
-    return (note(Kind.PROGRAM, f"the run is not the motion of {which}; name its own with --plan", as_planned=figures),)
+    words = "the run is not the motion of {which}, {names}; identify it with its own plan"
+    return (note(Kind.PROGRAM, phrase("another_motion", words, which=which, names=names), as_planned=figures),)
 
 
 def findings_of(comparison: PlanComparison) -> tuple[Finding, ...]:

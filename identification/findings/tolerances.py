@@ -195,7 +195,7 @@ def budget_findings(before: Fitted, allowed: Fitted, shares: tuple[Share, ...] |
     if shares is None:
         not_done = phrase(
             "tolerances_not_counted",
-            "no tolerance of [tolerances] is counted: that is not done with --prior, nor where no drive says the "
+            "no tolerance of [tolerances] is counted: that is not done with a prior, nor where no drive says the "
             "motion",
         )
         kinds = list(dict.fromkeys(KINDS[key] for key in case.tolerable))

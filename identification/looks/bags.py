@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.base.phrases import phrase
 from cases.schema import Case
 from identification.looks.look import Column, Look
 from identification.looks.trial import sentences_of, trial_of
@@ -53,7 +54,7 @@ def look_at_bags(bags: Sequence[Path], case: Case | None) -> Look:
         doubts += _about_frames(chosen["wrench"], ros.get("frame"))
     settings.pop("columns", None)
     if case is None:
-        doubts.append("name the robot with --case, for the order of its joints")
+        doubts.append(phrase("name_the_robot", "name the robot, for the order of its joints"))
     elif case.chain is not None and "joints" in chosen:
         joints = dict(zip(case.chain.columns, case.chain.names, strict=True)) | case.recording.columns
         names = chosen["joints"].channels

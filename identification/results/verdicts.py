@@ -68,7 +68,7 @@ class Verdict(NamedTuple):
       PASS     warnings that no deviation counts           0  at most 0    -
       PASS     noise of channel 3 over the stated one   1.12  at most 1.5  -
       PASS     mass, difference from nominal            3.56  at most 25   %
-    not judged: the run beside its plan: identify with --plan
+    not judged: the run beside its plan: identify it with its plan
     """
 
     checks: tuple[Check, ...]
@@ -201,7 +201,7 @@ def _run(result: Result, limits: Acceptance) -> Iterator[Check | str]:
     quantities = {key: value for finding in result.findings for key, value in finding.quantity.items()}
     figures: Mapping[str, Any] | None = quantities.get("as_planned")
     if figures is None:
-        yield phrase("no_plan_beside", "the run beside its plan: identify with {plan}", plan="--plan")
+        yield phrase("no_plan_beside", "the run beside its plan: identify it with its plan")
     else:
         share = 100.0 * float(figures["share_of_path"])
         yield Check("the plan's path in the run", share, limits.path_percent, "%", least=True, code="path")

@@ -30,7 +30,11 @@ from planner.search.problem import CHECK_RATE
 from planner.search.record import Failed
 from planner.search.solving import DRAWN_BACK, Start
 
-_OTHERWISE = {"ptp": "fewer --moves", "fourier": "--free-period", "spline": "--family ptp"}  # by family
+_OTHERWISE = {  # by family
+    "ptp": phrase("fewer_moves", "fewer moves"),
+    "fourier": phrase("free_period", "a free period"),
+    "spline": phrase("moves_instead", "moves from point to point"),
+}
 FULL = 0.9  # share of a limit that a good motion uses of at least one
 ORDER_1 = phrase(
     "order_1",
@@ -118,8 +122,8 @@ def weaknesses(planned: PlannedMotion, request: Request) -> tuple[Phrase, ...]:
         words.append(
             phrase(
                 "not_converged",
-                "{which} had not converged ({why}): without --starts the search goes on until further starts gain "
-                "little",
+                "{which} had not converged ({why}): where no number of starts is asked for, the search goes on until "
+                "further starts gain little",
                 which=which,
                 why=refined[0].solver.words,
             )
@@ -129,7 +133,7 @@ def weaknesses(planned: PlannedMotion, request: Request) -> tuple[Phrase, ...]:
             phrase(
                 "drawn_back",
                 "the motion that was found exceeded a limit, and was scaled to {share} % of its displacements, which "
-                "costs information: plan with another --seed, or in a smaller box",
+                "costs information: plan with another seed, or in a smaller box",
                 share=f"{100 * share:.0f}",
             )
         )
@@ -202,7 +206,7 @@ def choice_notes(tried: Mapping[str, float]) -> tuple[Phrase, ...]:
         phrase("family_has", "{family} {efficiency}", family=family_phrase(other), efficiency=f"{efficiency:.3f}")
         for other, efficiency in others
     ]
-    path = phrase("timed_moves", "; for a controller that times moves itself --family ptp")
+    path = phrase("timed_moves", "; for a controller that times moves itself, choose moves from point to point")
     chosen = phrase(
         "by_trying",
         "{family} by trying: D-efficiency {most}, and the first starts of others: {behind}{path}",
@@ -227,7 +231,7 @@ def fourier_notes(case: Case, model: Model, request: Request, motion: Trajectory
             phrase(
                 "needless_harmonics",
                 "harmonics above {order} are needless: without them the motion keeps {share} % of its information; "
-                "--order {order} searches fewer unknowns",
+                "order {order} searches fewer unknowns",
                 order=order,
                 share=f"{100 * (1 - loss):.1f}",
             )
@@ -237,8 +241,7 @@ def fourier_notes(case: Case, model: Model, request: Request, motion: Trajectory
         words.append(
             phrase(
                 "whole_periods",
-                "whole periods of {period} s take {taken} s of the {duration} s; --duration {more} has time for one "
-                "more",
+                "whole periods of {period} s take {taken} s of the {duration} s; {more} s would have time for one more",
                 period=f"{motion.period:.4g}",
                 taken=f"{motion.duration:.4g}",
                 duration=f"{request.duration:g}",

@@ -308,7 +308,7 @@ def test_a_flange_and_a_sensor_behind_it_are_both_written(tmp_path: Path) -> Non
     assert np.arctan2(relative[1, 0], relative[0, 0]) == pytest.approx(1.5)
     open_ended = arm(tmp_path, mount, flange="ft")
     assert (open_ended.flange, open_ended.sensor) == (None, found.sensor)
-    assert re.search("ft: .*--flange tool0 --sensor ft", open_ended.notes[0])
+    assert re.search("ft: .*tool0 as the flange and ft as the sensor", open_ended.notes[0])
     with pytest.raises(CaseError, match=r"link forearm is not fixed to link tool0; name .*tool0"):
         arm(tmp_path, sensor="forearm")
 
@@ -362,7 +362,7 @@ def test_a_tool_on_the_flange_loads_a_sensor_in_the_wrist(tmp_path: Path) -> Non
 @pytest.mark.parametrize(("name", "noted"), [("ft_frame", True), ("axia_ft80", True), ("left_hand", False)])
 def test_a_link_behind_the_flange_that_may_be_the_sensors_is_named(name: str, noted: bool, tmp_path: Path) -> None:
     found = with_links(tmp_path, fixed_link(name, "tool0", 0.04), sensor=None)
-    assert any(name in note and "--sensor LINK" in note for note in found.notes) == noted
+    assert any(name in note and "name it as the sensor" in note for note in found.notes) == noted
     assert not with_links(tmp_path, fixed_link(name, "tool0", 0.04), sensor=name).notes
 
 

@@ -49,7 +49,7 @@ def test_a_recording_of_another_case_that_can_be_evaluated_is_named_first() -> N
         run(), record=record | {COMPUTED_FROM: recording_basis(CASE) | {"setup": "2x", "gravity_m_s2": None}}
     )
     first, *_ = identify(turned, CASE).warnings
-    assert tells(first, "case other, not hexapod", "setup was 2x, is 1b (1 more)", "leave --case out")
+    assert tells(first, "case other, not hexapod", "setup was 2x, is 1b (1 more)", "with its own case")
 
 
 def test_a_program_of_another_case_is_named_as_such_first(tmp_path: Path) -> None:

@@ -187,7 +187,7 @@ def test_harmonics_that_are_not_there_are_needless(lower: int, hexapod_case: Cas
     assert order == lower
     assert loss < 0.002
     (note,) = fourier_notes(hexapod_case, model, Request(Fourier(lower + 2, 3.0), 6.0), written, logdet)
-    assert tells(note, f"above {lower}", f"--order {lower}")
+    assert tells(note, f"above {lower}", f"order {lower}")
 
 
 @pytest.mark.parametrize("some", [family(4), led_family()])

@@ -58,7 +58,7 @@ def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion
         assert weak == ()
     else:
         (told,) = weak
-        assert tells(told, "only start", "not converged", "iteration limit", "without --starts")
+        assert tells(told, "only start", "not converged", "iteration limit", "no number of starts")
     assert weaknesses(found._replace(starts=(unfinished,)), Request()) == ()  # which went on until it was enough
 
 

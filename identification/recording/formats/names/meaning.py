@@ -425,7 +425,7 @@ def _without_a_machine(found: Sequence[Family], places: Mapping[str, int], names
             for _ in _as_joints(family, False):
                 yield phrase(
                     "joints_or_drives",
-                    "{columns} may be joints or drives; name the machine with --case",
+                    "{columns} may be joints or drives; name the machine",
                     columns=span([names[k] for k in members]),
                 )
 
