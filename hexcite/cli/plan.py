@@ -100,8 +100,8 @@ def plan(
     written = f"plan written: {folder}, with its report {folder}/report.html"
     identifiable = hx.identifiability(result)
     answer = answer_of_plan(result, folder) | {"identifiability": identifiable.to_json()}
-    words = [f"identifiability: {identifiable.words}"] if identifiable.sentences else []
-    console.answered(answer, json, written, result, *advice(answer), *words)
+    determined = [f"identifiability: {identifiable.words}"] if identifiable.sentences else []
+    console.answered(answer, json, written, result, *advice(answer), *determined)
 
 
 def with_page_at_hand(remark: "Callable[[Standing], None]") -> "Callable[[Standing], None]":
