@@ -10,7 +10,7 @@ from typing import Any
 OPTIONS: Mapping[str, str] = {
     "not_converged": "--starts",
     "drawn_back": "--seed",
-    "fewer_moves": "--moves",
+    "less_moves": "--moves",
     "free_period": "--free-period",
     "moves_instead": "--family ptp",
     "timed_moves": "--family ptp",

@@ -21,7 +21,7 @@ PLANS = {
     "best_of_starts": "der beste von {count} Starts, der nächste hat {loss} % weniger Information: mehr Starts bringen "
     "wenig",
     "family_has": "{family} {efficiency}",
-    "fewer_moves": "weniger Bewegungen",
+    "less_moves": "weniger Bewegungen",
     "free_period": "eine freie Periode",
     "moves_instead": "Bewegungen von Punkt zu Punkt",
     "timed_moves": "; für eine Steuerung, die Bewegungen selbst ihre Zeit gibt, Bewegungen von Punkt zu Punkt wählen",

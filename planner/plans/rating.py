@@ -31,7 +31,7 @@ from planner.search.record import Failed
 from planner.search.solving import DRAWN_BACK, Start
 
 _OTHERWISE = {  # by family
-    "ptp": phrase("fewer_moves", "fewer moves"),
+    "ptp": phrase("less_moves", "fewer moves"),
     "fourier": phrase("free_period", "a free period"),
     "spline": phrase("moves_instead", "moves from point to point"),
 }

@@ -74,7 +74,7 @@ def test_every_option_that_is_advised_is_one_of_a_command() -> None:
 
 def test_options_are_named_once_with_the_values_of_their_sentences() -> None:
     harmonics = {"code": "needless_harmonics", "values": {"order": "2", "share": "99.8"}}
-    moves = {"code": "short_ways", "values": {"other": {"code": "fewer_moves", "values": {}}, "share": "40"}}
+    moves = {"code": "short_ways", "values": {"other": {"code": "less_moves", "values": {}}, "share": "40"}}
     assert advice({"notes": [harmonics, harmonics], "deep": {"weak": [moves]}}) == (
         "options for that: --order 2, --moves",
     )

@@ -168,7 +168,7 @@ def test_another_motion_is_another_program(name: str) -> None:
     assert tells(sentence, "not the motion of the plan plan", "another program ran")
     assert found.severity == "warning"
     (beside,) = as_planned(closest(run, case, [plan]), [plan])  # of which nobody said that it ran
-    assert (beside.severity, tells(beside.sentence, "beside it", "--plan")) == ("note", True)
+    assert (beside.severity, tells(beside.sentence, "beside it", "its own plan")) == ("note", True)
     own = Planned(moves(case, corners(case, seed=2)), "own")
     (found,) = as_planned(closest(run, case, [plan, own]), [plan, own])
     assert (found.sentence, found.quantity["as_planned"]["plan"]) == ("", "own")

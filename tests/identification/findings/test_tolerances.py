@@ -181,7 +181,7 @@ def test_with_a_prior_no_tolerance_is_counted_and_that_is_said() -> None:
     case = of.case.model_copy(update={"tolerances": Tolerances.model_validate({"gain_percent": 0.2})})
     known = Method(priors=(Prior("m", of.truth["m"], 0.1),))
     estimate = estimate_parameters(recording, case, how=known)
-    assert any(tells(text, "no tolerance of [tolerances] is counted", "--prior") for text in estimate.notes)
+    assert any(tells(text, "no tolerance of [tolerances] is counted", "with a prior") for text in estimate.notes)
     assert "gains" in estimate.quantities["not_counted"]
 
 
