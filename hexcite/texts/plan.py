@@ -9,6 +9,7 @@ TEXTS: dict[str, tuple[str, str]] = {
         "No motion can be planned for this machine; the case lacks: {what}. A recording can still be read.",
         "Für diese Maschine ist keine Bewegung planbar; es fehlt: {what}. Eine Aufzeichnung lässt sich lesen.",
     ),
+    "search_again": ("Another search", "Weitere Suche"),
     "motion_seconds": ("Seconds of the motion", "Sekunden der Bewegung"),
     "seconds_usual": (
         "5 to 30 are usual; longer motions give smaller deviations",
