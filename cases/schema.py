@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import accumulate
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, Literal, NoReturn, TypeVar
 
 import numpy as np
 from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, field_validator, model_validator
@@ -595,6 +595,20 @@ class Case(Heading):
         assert self.limits is not None
         return self.with_jerk(np.full(len(self.limits.motion.jerk), np.inf))
 
+    def with_reserve(self, share: float) -> "Case":
+        """The same with accelerations of struts, efforts of joints and ranges of sensors less by a share of them."""
+        if self.limits is None:
+            return self
+        parts: dict[str, Part] = {"sensors": _reduced(self.sensors, share, "range_N", "range_Nm")}
+        if isinstance(self.limits.motion, MotionLimits):
+            motion = _reduced(self.limits.motion, share, "strut_acceleration_m_s2")
+            parts["limits"] = self.limits.model_copy(update={"motion": motion})
+        if isinstance(self.machine, SerialMachine):
+            joints = tuple(_reduced(joint, share, "torque_Nm", "force_N") for joint in self.machine.chain.joints)
+            chain = self.machine.chain.model_copy(update={"joints": joints})
+            parts["machine"] = self.machine.model_copy(update={"chain": chain})
+        return self.model_copy(update=parts)
+
     def within_margin(self) -> "Case":
         """The same with all ends of ways moved inwards by `limits.margin`: what searches keep. Proofs do not ask it."""
         if self.limits is None:
@@ -757,3 +771,12 @@ def load_case(name: str) -> Case:
     for doubt in case.doubts:
         LOG.warning("%s: look at %s", printable(str(name)), doubt)
     return case
+
+
+AnyPart = TypeVar("AnyPart", bound=Part)
+
+
+def _reduced(part: AnyPart, share: float, *keys: str) -> AnyPart:
+    """A table with stated numbers less by a share of them."""
+    stated = {key: value for key in keys if (value := getattr(part, key)) is not None}
+    return part.model_copy(update={key: value * (1.0 - share) for key, value in stated.items()})

@@ -1,11 +1,14 @@
 """Which limits a controller leaves in force for moves whose time law is its own, by what it promises."""
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
+from cases.base.errors import CaseError
 from cases.controller import ControllerName
+from cases.readiness import languages_of
 from cases.schema import Case
 from identification.limits.limit import LimitKind, LimitReport, Status
 from identification.limits.proof import PROOF_RATE
@@ -29,6 +32,26 @@ def steps_of(case: Case, controller: str | None) -> float:
     """
     guarantees = _guarantees(case, controller)
     return 0.0 if guarantees is None or limits_jerk(guarantees.law) else guarantees.jerk_time
+
+
+def times_itself(case: Case, controller: str | None) -> bool:
+    """Whether moves are timed by the law of a controller, which accelerates as hard as its set-up allows.
+
+    Not that of a robot whose program states speeds and accelerations.
+
+    Args:
+        controller: name of a dialect, or virtual; None where any that the case is set up for may execute them, if it
+            limits the jerk.
+    """
+    if controller is not None:
+        guarantees = _guarantees(case, controller)
+        return guarantees is not None and LimitKind.ACCELERATION in guarantees.enforced
+    for name in languages_of(case):
+        with suppress(CaseError):
+            guarantees = _guarantees(case, name)
+            if guarantees is not None and LimitKind.JERK in guarantees.enforced:
+                return True
+    return False
 
 
 def controlled(case: Case, controller: str | None) -> tuple[Case, float]:

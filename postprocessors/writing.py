@@ -9,7 +9,8 @@ import numpy as np
 from cases.base.errors import Code, ProgramError
 from cases.base.units import DEG, MM
 from cases.schema import Case
-from identification.limits.proof import slowed_for_forces
+from identification.limits.limit import UNUSED_SHARE, LimitKind
+from identification.limits.proof import FORCE_RATE, mechanical_pace, slowed_for_forces
 from identification.motion.curves import PolynomialMotion
 from identification.motion.motion import Array, Joined, Standstill, Trajectory
 from identification.motion.moves import CircularMove, StraightMove
@@ -51,9 +52,10 @@ def proven_program(
         CaseError: the case has no machine or no controller.
     """
     path = Path(file)
-    resolution = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case).resolution
+    promised = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case)
     named = case if speed == 1.0 else case.named_slow()
-    program = _without_nothing(dialect.prepare(excitation_program(trajectory, case, speed), case), resolution, case)
+    blocks = excitation_program(trajectory, case, speed, promised)
+    program = _without_nothing(dialect.prepare(blocks, case), promised.resolution, case)
     written = dialect.write((*header, *program), named)
     text = dialect.form(written, path.suffix.lower(), case)
     if lost := left_out(written) - left_out(text):
@@ -224,7 +226,24 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     return (timed_path(name, trajectory, block, speed),)
 
 
-def excitation_program(trajectory: Trajectory, case: Case, speed: float = 1.0) -> Blocks:
+SLOWER, ATTEMPTS = 0.8, 20  # share of the speed of an approach that is too hard by its controller's law, and tries
+
+
+def _gentle(move: StraightMove, by: Guarantees) -> StraightMove:
+    """A move that struts, sensors and joints bear as its controller makes it; itself where slowness does not help.
+
+    A controller accelerates as hard as its set-up allows, however low the feed: with limited jerk it then comes less
+    far.
+    """
+    slower = move
+    for _ in range(ATTEMPTS):
+        if mechanical_pace(by.lasting(slower), by.case, FORCE_RATE) <= 1.0 - UNUSED_SHARE:
+            return slower
+        slower = replace(slower, profile=slower.profile.slowed(SLOWER))
+    return move
+
+
+def excitation_program(trajectory: Trajectory, case: Case, speed: float = 1.0, by: Guarantees | None = None) -> Blocks:
     """The program: home, approach, settle, the excitation between trigger on and off, settle, back home.
 
     Where the motion contains measurements, the trigger is on in these alone: moves between them only take the machine
@@ -232,6 +251,10 @@ def excitation_program(trajectory: Trajectory, case: Case, speed: float = 1.0) -
 
     Approach and return are point-to-point moves where the excitation consists of such moves, else timed paths: a
     controller that is set up to follow dense paths may accelerate as hard as it can in a move that it times itself.
+
+    Args:
+        speed: share of the planned speed.
+        by: what the controller guarantees, by whose law approach and return then satisfy limits too.
     """
     home, box = case.need_motion("a program")
     controller = case.need_controller("a program")
@@ -247,6 +270,8 @@ def excitation_program(trajectory: Trajectory, case: Case, speed: float = 1.0) -
         share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]
         move = slowed_for_forces(StraightMove.fastest(start, end, *share), case)
         if own_time:
+            if by is not None and LimitKind.ACCELERATION in by.enforced:
+                move = _gentle(move, by)
             blocks.extend([name, *motion_blocks(name, move, controller.block, speed)])
         else:
             blocks.append(timed_path(name, move, controller.block, speed))

@@ -5,19 +5,27 @@ velocity. With D the way of a coordinate and tj, th, tc these times its largest 
 largest acceleration that over (tj + th), its largest jerk that over tj: limits hold for all t and are 3 n rows a move
 for n coordinates. For a controller that does not limit jerk tj is 0, moves are trapezoids with 2 n rows each.
 The last move need not end where the first begins: a way back would cost moves with little information.
+
+A controller that times moves itself knows no such times: it is given the duration of a move (by its feed), accelerates
+as hard as its set-up allows, and cruises more slowly instead. Of a family with this law (`own_law`) one coordinate of
+each move reaches its limit of acceleration, and one that of jerk: otherwise struts and sensors would bear less in the
+plan than in the program.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import ClassVar
 
 import casadi as ca
 import numpy as np
 
-from cases.base.units import Array, Flags
+from cases.base.units import Array, Flags, Indices
 from cases.chain import Box
 from cases.schema import Case
 from identification.estimation.criteria import box_middle
+from identification.limits.limit import UNUSED_SHARE
+from identification.machines.casadi_batch import over_samples
 from identification.motion.motion import Joined, Standstill
 from identification.motion.moves import StraightMove, fastest_profile, unit_profile
 from planner.families.family import Family, Layout
@@ -28,6 +36,9 @@ from planner.families.states import Kernel, KernelStates, LinearStates, state_si
 FEWEST, MOST = 8, 64  # moves
 SHORTEST_CYCLES, SHORTEST_TIME = 3, 2e-3  # of a phase: controller cycles, and [s]; a shorter one is absent
 LONGEST_PHASE = 4.0  # mean durations of a move
+LAW = 1.0 - UNUSED_SHARE - 5e-4  # share of accelerations and jerks with which moves by a controller's law are planned
+NOWHERE = 1e-12  # [m or rad] a shorter way has no law
+ROUNDING = 1e-6  # share of a move's duration by which the fastest law may last longer
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # two points integrate what is cubic in time exactly: jerk phases squared
 
 
@@ -80,6 +91,35 @@ def _phases(times: ca.SX) -> tuple[ca.SX, ...]:
     return (tj, th, tj, tc, tj, th, tj)
 
 
+def law_times(way: ca.SX, limits: Array, duration: ca.SX | float) -> ca.SX:
+    """Three times of a move as a controller makes it that is given its duration, not below the shortest, shape (3,).
+
+    Args:
+        way: of each coordinate, shape (n,) [m or rad].
+        limits: of rates, accelerations and jerks, shape (3, n), or without the jerks, shape (2, n).
+        duration: [s].
+    """
+    acceleration, *jerks = (ca.mmin(ca.DM(limit) / (ca.fabs(way) + NOWHERE)) for limit in limits[1:])
+    jerk_time = acceleration / jerks[0] if jerks else ca.SX(0)
+    # The acceleration stays at its limit for a while: v^2 / a - (T - tj) v + 1 = 0.
+    left = duration - jerk_time
+    velocity = acceleration * (left - ca.sqrt(ca.fmax(left**2 - 4 / acceleration, 0))) / 2
+    holding = ca.vertcat(jerk_time, velocity / acceleration - jerk_time)
+    if jerks:  # or it does not reach it: j tj^2 (T - 2 tj) = 1, of which this is the root between 0 and T / 3
+        angle = (2 * ca.asin(ca.fmin(ca.sqrt(27 / (jerks[0] * duration**3)), 1)) - 2 * np.pi) / 3
+        rising = duration / 6 * (1 + 2 * ca.cos(angle))
+        holding = ca.if_else(rising <= jerk_time, ca.vertcat(rising, 0), holding)
+    return ca.vertcat(holding, duration - 4 * holding[0] - 2 * holding[1])
+
+
+@lru_cache(maxsize=8)
+def _law(limits: tuple[tuple[float, ...], ...]) -> ca.Function:
+    """Way and duration of a move, shape (n + 1,) -> its three times, see `law_times`."""
+    of_move = ca.SX.sym("move", len(limits[0]) + 1)
+    times = law_times(of_move[:-1], np.array(limits), of_move[-1])
+    return ca.Function("law", [of_move], [ca.densify(times)], {"cse": True})
+
+
 # Where accelerations do not change one point does, unless all of the move is so.
 INFORMATION_POINTS = tuple((k, share) for k in range(7) for share in ((0.5,) if k % 2 else (GAUSS, 1 - GAUSS)))
 TRAPEZOID_POINTS = ((1, GAUSS), (1, 1 - GAUSS), (3, 0.5), (5, GAUSS), (5, 1 - GAUSS))
@@ -104,15 +144,20 @@ class PointToPointFamily(Family):
     # phases of constant acceleration and of constant velocity that are omitted, shape (moves, 2); others last as long
     # as the shortest phase at least. None while that is open
     absent: Flags | None = None
+    # whether a controller times the moves by its own law: motions are its own as soon as a choice below is made
+    own_law: bool = False
+    # the coordinate that has to reach its limit of acceleration in each move, and of jerk, shape (moves, 2); below 0
+    # where none has to. None where moves may be slower than the law
+    leading: Indices | None = None
 
     @classmethod
-    def of(cls, case: Case, moves: int, duration: float) -> "PointToPointFamily":
+    def of(cls, case: Case, moves: int, duration: float, own_law: bool = False) -> "PointToPointFamily":
         """The family of a case."""
         middle, half = box_middle(case)
         box = case.need_motion("planning")[1]
         cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
         limits = [box.rate, box.acceleration, *([box.jerk] if box.limits_jerk else [])]
-        return cls(moves, duration, cycle, middle, half, np.array(limits))
+        return cls(moves, duration, cycle, middle, half, np.array(limits), own_law=own_law)
 
     name: ClassVar[str] = "ptp"
     iterations: ClassVar[int] = 20  # which show what walks are worth: of those of a robot the walk alone does not
@@ -177,6 +222,10 @@ class PointToPointFamily(Family):
         kernel = Kernel(own_unknowns, ca.vertcat(*peaks))  # of the unknowns of each move themselves
         width = 2 * n + 3
         own_states = LinearStates(index, np.zeros((count, 1, width)), np.tile(np.eye(width), (count, 1, 1, 1)))
+        led = []
+        if (leads := self._leads) is not None:
+            reached = Kernel(own_unknowns, ca.fabs(ca.vertcat(*peaks[1:])))
+            led.append(StateRows(own_states, reached, leads[:, None], 1.0 - margin, equal=1.0 - margin))
         total = np.r_[np.zeros(places), np.tile([4.0, 2.0, 1.0], count)] / count
         edge = np.full(places, 1.0 - margin)
         lower, upper = self._time_bounds()
@@ -187,11 +236,48 @@ class PointToPointFamily(Family):
             rows=(
                 LinearRows(csr_array(total[None, :]), np.zeros(1, int), np.ones(1, bool), np.ones(1), equal=1.0),
                 StateRows(own_states, kernel, np.ones((count, 1, kernel.size), dtype=bool), 1.0 - margin),
+                *led,
             ),
             lower=np.r_[-edge, lower.ravel()],
             upper=np.r_[edge, upper.ravel()],
             standing=self._first_waypoint(),
         )
+
+    @property
+    def _leads(self) -> Flags | None:
+        """Which accelerations, and behind them which jerks, reach their limits, shape (moves, n or 2 n)."""
+        if self.leading is None:
+            return None
+        orders = self.leading[:, : len(self.limits) - 1]
+        return np.asarray((orders[:, :, None] == np.arange(self.coordinates)).reshape(self.moves, -1))
+
+    def lawful(self, unknowns: Array) -> Array:
+        """Unknowns of the same moves, in the same times, by the controller's law."""
+        points, times = self.split(unknowns)
+        return np.concatenate([points.ravel(), self._lawful(points, times).ravel()])
+
+    def led_by(self, unknowns: Array) -> "PointToPointFamily":
+        """The family whose leading coordinates are those of a motion by the law."""
+        points, times = self.split(unknowns)
+        return replace(self, leading=self._leading(points, times[:, 1] * self.unit >= shortest_phase(self.cycle) / 2))
+
+    def _leading(self, points: Array, holds: Flags) -> Indices:
+        """The coordinate with the largest share of its acceleration, of moves that hold it, and of its jerk."""
+        ways = np.abs(np.diff(points, axis=0)) * self.half
+        leading = np.argmax(ways[:, None] / self.limits[[1, -1]], axis=2)
+        leading[~holds, 0] = -1
+        leading[~ways.any(axis=1)] = -1
+        return np.asarray(leading)
+
+    def _lawful(self, points: Array, times: Array) -> Array:
+        """Times of moves by the controller's law, shape (moves, 3); their own where they are too short for it."""
+        durations = times @ [4.0, 2.0, 1.0]
+        ways = np.diff(points, axis=0) * self.half
+        limits = self.limits * np.r_[1.0, np.full(len(self.limits) - 1, LAW)][:, None]
+        law = over_samples(_law(tuple(map(tuple, limits))), np.hstack([ways, durations[:, None] * self.unit]))[0]
+        law = np.maximum(law / self.unit, 0.0)
+        longer = law @ [4.0, 2.0, 1.0] / durations
+        return np.where((np.abs(longer - 1.0) <= ROUNDING)[:, None], law / longer[:, None], times)
 
     def _first_waypoint(self) -> LinearStates:
         """State at the first waypoint: it ends no move, so that no critical state is there."""
@@ -236,6 +322,8 @@ class PointToPointFamily(Family):
     def motion(self, unknowns: Array) -> Joined:
         """The motion of unknowns of shape ((n + 3) moves + n,); a move between equal waypoints is a pause."""
         points, times = self.split(unknowns)
+        if self.own_law and not (self.absent is None and self.leading is None):
+            times = self._lawful(points, times)
         poses = self.middle + points * self.half
         moves: list[StraightMove | Standstill] = []
         for start, end, (tj, th, tc) in zip(poses[:-1], poses[1:], times * self.unit, strict=True):
@@ -258,11 +346,12 @@ class PointToPointFamily(Family):
 
     def refined(self, unknowns: Array) -> "PointToPointFamily":
         """The family in which phases that are too short for the controller are omitted, or last as long as it needs."""
-        phases = self.split(unknowns)[1][:, 1:] * self.unit
-        absent = phases < shortest_phase(self.cycle) / 2
+        points, times = self.split(unknowns)
+        absent = times[:, 1:] * self.unit < shortest_phase(self.cycle) / 2
         if self.steps:
             absent[:, 0] = False  # without it nothing accelerates
-        return replace(self, absent=absent)
+        leading = None if self.leading is None else self._leading(points, ~absent[:, 0])
+        return replace(self, absent=absent, leading=leading)
 
 
 def _largest_way(limits: Array, duration: float) -> float:

@@ -134,12 +134,12 @@ class StateRows:
     kernel: Kernel  # state -> r values
     chosen: Flags  # which of them are rows, shape (B, S, r)
     bound: float  # bound of all of them
-    equal: None = None
+    equal: float | None = None  # value that they are equal to; None where they have bounds
 
     @property
     def upper(self) -> Array:
-        """Upper bound of each row; the lower one is its negative."""
-        return np.full(int(self.chosen.sum()), self.bound)
+        """Upper bound of each row; the lower one is its negative, or the same where rows are equal to a value."""
+        return np.full(int(self.chosen.sum()), self.bound if self.equal is None else self.equal)
 
     @cached_property
     def needed(self) -> Flags:

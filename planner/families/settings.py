@@ -18,7 +18,7 @@ from cases.schema import Case
 from identification.estimation.criteria import Criterion, box_middle
 from identification.limits.limit import PLANNABLE_WITHOUT
 from identification.motion.motion import Trajectory
-from planner.controller_limits import controlled, steps_of
+from planner.controller_limits import controlled, steps_of, times_itself
 from planner.families import ptp, spline
 from planner.families.family import Family
 from planner.families.fourier import FourierFamily, FreePeriod
@@ -421,7 +421,8 @@ class PointToPoint(MoveOptions, FamilySettings):
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
         """One of each number of moves."""
-        return tuple(ptp.PointToPointFamily.of(case, count, duration) for count in self.counts(case, duration))
+        own_law = times_itself(case, self.made_for(case))
+        return tuple(ptp.PointToPointFamily.of(case, count, duration, own_law) for count in self.counts(case, duration))
 
     def idle(self, criterion: Criterion) -> int:
         """One for any criterion: for K and N six starts gave nothing better than two, in three times the time."""

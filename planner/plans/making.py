@@ -42,7 +42,7 @@ from planner.search.parallel import (
     workers,
 )
 from planner.search.record import Failed
-from planner.search.solving import QUICK_RATE, Start, Task
+from planner.search.solving import QUICK_RATE, Start, Task, limited_as_searched
 
 KEPT = 3  # number of the best orders, periods, numbers of moves and families, at most, that get more starts
 CLOSE = 0.03  # share of an efficiency by which others than the best are worse, at most, that get more starts too
@@ -138,7 +138,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner, began:
     best = starts[0]
     unknowns = best.unknowns
     if not best.record.refined:  # it was checked at few instants: at more of them first, at those of the proof then
-        unknowns = keep_limits(rounds.case, best.family, unknowns, QUICK_RATE)[0]
+        unknowns = keep_limits(limited_as_searched(rounds.case, best.family), best.family, unknowns, QUICK_RATE)[0]
     motion = best.family.motion(unknowns)
     report = with_steps(prove(motion, case), step_time)
     if report.worst_ratio > 1.0 - UNUSED_SHARE + BETWEEN:

@@ -19,7 +19,7 @@ from cases.base.units import Array, Flags, Indices
 from cases.schema import Case
 from identification.machines.casadi_batch import over_samples
 from identification.model.model import Model
-from planner.families.ptp import PointToPointFamily, state_of_move
+from planner.families.ptp import PointToPointFamily, law_times, state_of_move
 from planner.search.problem import near_limits
 
 HOT, COLD = 0.05, 0.003  # temperatures in units of log det F: above walks forget, below nothing moves any more
@@ -41,13 +41,15 @@ SLACK = 1e-9  # [half widths] for rounding
 POSE_REACHED = 0.995  # share of a limit of poses that walks may use
 
 
-def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.SX:
+def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: ca.SX) -> ca.SX:
     """Regressors at the middle of acceleration and deceleration, so that the mean square of accelerations is exact."""
-    square = (4 / 3 * times[0] + 2 * times[1]) / (times @ [4.0, 2.0, 1.0])  # mean of the squared acceleration
+    square = (4 / 3 * times[0] + 2 * times[1]) / (
+        4 * times[0] + 2 * times[1] + times[2]
+    )  # mean of the squared acceleration
     rows = []
     for phase in (1, 5):
-        pose, rates, accelerations = state_of_move(ends[0], ends[1], ca.DM(times), (phase, 0.5))
-        rows.append(model.coordinate_regressor(pose, rates, np.sqrt(square) * accelerations))
+        pose, rates, accelerations = state_of_move(ends[0], ends[1], times, (phase, 0.5))
+        rows.append(model.coordinate_regressor(pose, rates, ca.sqrt(square) * accelerations))
     return ca.densify(ca.vertcat(*rows) @ ca.diag(ca.DM(scaling)) / np.sqrt(2))
 
 
@@ -56,11 +58,11 @@ def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.S
 _PLACES = (((0, 0.0), (3, 0.5), (6, 1.0)), ((3, 0.5),), ((1, 0.5), (5, 0.5)))  # by the order of `Limits`
 
 
-def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
+def _excess(case: Case, ends: list[ca.SX], times: ca.SX) -> ca.SX:
     excess, pose = ca.SX(0), ca.SX(0)
     for _, order, kernel in near_limits(case):
         for place in _PLACES[order]:
-            state = ca.vertcat(*state_of_move(ends[0], ends[1], ca.DM(times), place), 0)
+            state = ca.vertcat(*state_of_move(ends[0], ends[1], times, place), 0)
             share = ca.mmax(ca.fabs(ca.substitute(kernel.expression, kernel.variables, state)))
             if order == 0:
                 pose = ca.fmax(pose, share)
@@ -105,8 +107,9 @@ class Walk:
         # start and end in half widths, shape (2 n,), -> matrix R, shape (12, u), of which R^T R is the mean H A^T A H
         # of the move; and by how much it exceeds limits of rates and accelerations, and its largest share of one of
         # poses
-        self.rows_of = ca.Function("rows", [move], [_rows(model, scaling, ends, self.times)], {"cse": True})
-        self.excess_of = ca.Function("excess", [move], [_excess(case, ends, self.times)], {"cse": True})
+        times = law_times(ends[1] - ends[0], family.limits, family.unit) if family.own_law else ca.SX(self.times)
+        self.rows_of = ca.Function("rows", [move], [_rows(model, scaling, ends, times)], {"cse": True})
+        self.excess_of = ca.Function("excess", [move], [_excess(case, ends, times)], {"cse": True})
         self.points = self._inside(points)
         starts, ends_of_moves = self.points[:-1], self.points[1:]
         self.rows = _in_blocks(self.rows_of, starts, ends_of_moves)  # R of each move, shape (n, 12, u)

@@ -54,6 +54,7 @@ class NonlinearProgram:
     errors: FieldByStates | None = None
     known: Array | None = None  # information that earlier results add to that of the motion, shape (u, u)
     limits: tuple[Kernel, ...] = ()  # state -> shares of each non-linear limit that can bind
+    own: int = 0  # how many of the rows, the first ones, are those of the family itself
 
     @property
     def unknowns(self) -> int:
@@ -80,6 +81,10 @@ class NonlinearProgram:
     def outside(self, unknowns: Array) -> float:
         """By how much unknowns are outside their bounds."""
         return float(max((self.lower - unknowns).max(), (unknowns - self.upper).max(), 0.0))
+
+    def with_own_rows(self, rows: Sequence[Rows]) -> "NonlinearProgram":
+        """The program with other rows of the family itself, whose choices were made."""
+        return replace(self, rows=(*rows, *self.rows[self.own :]), own=len(rows))
 
     def with_rows_above(self, unknowns: Array, share: float) -> "NonlinearProgram":
         """The program with further rows for all that use more than a share of a limit."""

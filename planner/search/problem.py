@@ -84,6 +84,7 @@ def build_program(
         errors=None if errors is None else FieldByStates(errors, family.duration),
         known=known,
         limits=tuple(kernel for _, _, kernel in limits),
+        own=len(layout.rows),
     )
 
 

@@ -41,11 +41,15 @@ from planner.search.solvers import Barrier, Watch, solve
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 COARSE_RATE = 250.0  # [1/s] the same of explorations, which are shrunk to know what there is if the search ends now
 SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
+# share of limits of struts, joints and sensors that moves leave which a controller times: it uses all of its limits of
+# accelerations and jerks, of which the plan leaves `1 - LAW`
+RESERVE = 2e-3
 AGAIN = 3  # times at most that a refinement is solved again because what it found lost much on the way inside
 REGAINED = 0.02  # of the objective: of an efficiency 2 %; to solve again for less is not worth its time
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 UNSEEN = 1.2  # share of a limit at an instant without a row from which a refinement begins anew, with rows there
 FAR = 0.6  # share of a non-linear limit below which a refinement does not constrain an instant, until it comes near
+UNLAWFUL = 1.05  # share of a limit that a controller's law may use of what was explored without it
 DRAWN_BACK = 0.98  # share: of an exploration that had to shrink to less the closest motion inside is looked for
 HARDLY = 0.998  # the same of refinements
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
@@ -176,6 +180,12 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     return Start(record, inside, run.family, share, unknowns, promise)
 
 
+def limited_as_searched(case: Case, family: Family) -> Case:
+    """A case with the limits that the search of a family keeps."""
+    own_law = isinstance(family, PointToPointFamily) and family.own_law
+    return case.with_reserve(RESERVE) if own_law else case
+
+
 @lru_cache(maxsize=2)
 def _information_of(
     case: Case, reference: Case, number: int, payload: int
@@ -201,6 +211,7 @@ class _Run:
     def __init__(self, task: Task, watch: Watch) -> None:
         require_rest(task.case)
         self.task, self.family, self.watch = task, task.family, watch
+        self.case = limited_as_searched(task.case, task.family)
         self.model, self.scaling, noise, self.errors, regressor = _information_of(
             task.case, task.reference or task.case, task.model, task.payload
         )
@@ -209,7 +220,7 @@ class _Run:
             samples = task.case.recording.rate_Hz * self.family.duration
             self.known = information_of_known(task.known, self.scaling, noise.sensors**2 / samples)
         margin = UNUSED_SHARE + SLIPPED
-        program = build_program(task.case, self.model, self.family, self.scaling, margin, self.errors, self.known)
+        program = build_program(self.case, self.model, self.family, self.scaling, margin, self.errors, self.known)
         self.program = replace(program, regressor=regressor)
         self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped = False, False
@@ -241,8 +252,35 @@ class _Run:
             self.program = self.program.with_rows_near(task.begin, FAR, NEAR)
             return task.begin
         if isinstance(family, PointToPointFamily):
-            return annealed_start(task.case, self.model, self.scaling, family, draw, self.stops, self.known)
+            return annealed_start(self.case, self.model, self.scaling, family, draw, self.stops, self.known)
         return family.start(draw, self.program.worst)
+
+    def by_law(self, unknowns: Array, begin: Array, most: float) -> Array | None:
+        """Where a controller, timing the moves by its own law, would exceed limits that they satisfy: unknowns by it.
+
+        The program has rows from here on by which moves satisfy the law.
+
+        Args:
+            unknowns: those of the moves.
+            begin: unknowns by whose moves leading coordinates are chosen, and whose like are returned.
+            most: share of limits up to which it does not count.
+        """
+        family = self.family
+        if not isinstance(family, PointToPointFamily) or not family.own_law or family.leading is not None:
+            return None
+        if self.program.worst(family.lawful(unknowns)) <= most:
+            return None
+        begin = family.lawful(begin)
+        self.family = family.led_by(begin)
+        self.take_rows_of_family()
+        return begin
+
+    def take_rows_of_family(self) -> None:
+        """Takes bounds and rows of the family itself, some of which follow from its choices."""
+        layout = self.family.layout(self.case, UNUSED_SHARE + SLIPPED)
+        if self.task.of_moves:
+            self.program = self.program.with_own_rows(layout.rows)
+        self.program = replace(self.program, lower=layout.lower, upper=layout.upper)
 
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""
@@ -253,7 +291,10 @@ class _Run:
             unknowns = self.solve(unknowns, APPROACH, _NEAR, convex=True)
             self.program = self.program.with_rows_above(unknowns, NEAR)
             return self.solve(unknowns, iterations, _AT_HAND)
-        return self.solve(unknowns, iterations, _NEAR if near else None)
+        solution = self.solve(unknowns, iterations, _NEAR if near else None)
+        if not task.refine and (begin := self.by_law(solution, unknowns, UNLAWFUL)) is not None:
+            solution = self.solve(begin, iterations, _NEAR)
+        return solution
 
     @property
     def few(self) -> bool:
@@ -306,7 +347,7 @@ class _Run:
     def feasible(self, unknowns: Array) -> tuple[Array, float]:
         """Unknowns of the motion shrunk inside every limit, and the share to which it was shrunk."""
         rate = QUICK_RATE if self.task.refine else COARSE_RATE
-        return keep_limits(self.task.case, self.family.once, unknowns, rate)
+        return keep_limits(self.case, self.family.once, unknowns, rate)
 
     def inside(self, unknowns: Array, share: float) -> tuple[Array, tuple[Array, float]]:
         """A motion that satisfies its limits, or nearly, and the same as `feasible`.
@@ -320,7 +361,7 @@ class _Run:
         if at_hand or (self.stopped and not self.task.refine):
             return within, shrunk
         bound = 1.0 - UNUSED_SHARE - SLIPPED
-        closest = closest_inside(self.program, self.task.case, self.family, unknowns, bound)
+        closest = closest_inside(self.program, self.case, self.family, unknowns, bound)
         restored = self.feasible(closest)
         better = self.rate(restored[0], self.program.letter) > self.rate(shrunk[0], self.program.letter)
         return (closest, restored) if better else (within, shrunk)
@@ -331,8 +372,9 @@ class _Run:
         What the solver exceeds limits by, at instants without a row and between them, is mostly a short way back.
         """
         self.family = self.family.refined(unknowns)
-        layout = self.family.layout(self.task.case, UNUSED_SHARE + SLIPPED)
-        self.program = replace(self.program, lower=layout.lower, upper=layout.upper)
+        self.take_rows_of_family()
+        if (lawful := self.by_law(unknowns, unknowns, 1.0 - UNUSED_SHARE)) is not None:
+            unknowns = lawful
         best, lowest, ended = None, np.inf, (self.status, self.converged)
         for _ in range(1 + AGAIN):
             closest, candidate = self.inside(unknowns, HARDLY)

@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.motion.motion import Array, Standstill
 from identification.motion.moves import CircularMove, Plane, Profile, StraightMove, limits_along
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trace, Trigger
-from postprocessors.proof.guarantees import Guarantees
+from postprocessors.proof.guarantees import NO_SLOWER, Guarantees, speed_lasting
 
 # of mm and degrees: over 10 ms blocks this rounding stays below 0.1 % of the jerk limits
 LENGTH_DECIMALS, ANGLE_DECIMALS = 5, 6
@@ -62,8 +62,6 @@ def comment_lines(text: str) -> list[str]:
 
 
 MOTION = (ToHome, StraightMove, CircularMove, TimedPath)
-NO_SLOWER = 1e-9
-HALVINGS = 80  # halvings of the interval of the feed, down to its last bit
 FULL = 1e-9  # [rad] tolerance of a full circle for rounding
 
 
@@ -206,15 +204,10 @@ class BlockWriter(ABC):
                 return self.guarantees.arc_law(speed, velocity, acceleration, jerk, abs(move.angle))
             return self.guarantees.law(speed, acceleration, jerk)
 
-        low, high = min(velocity, 1.0 / move.duration), velocity  # below the mean speed it takes longer for certain
-        if law(high).duration * (1.0 + NO_SLOWER) >= move.duration:
-            low = high = law(high).peak_velocity  # the fastest move is a flat optimum, which bisection does not find
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            low, high = (middle, high) if law(middle).duration > move.duration else (low, middle)
+        speed = speed_lasting(law, velocity, move.duration)
         if isinstance(move, CircularMove):
-            return high * move.length
-        return high * float(np.linalg.norm(way[limits.turns != linear]))
+            return speed * move.length
+        return speed * float(np.linalg.norm(way[limits.turns != linear]))
 
     def arc_words(self, move: CircularMove) -> str:
         """An arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it."""

@@ -15,7 +15,7 @@ from identification.limits.limit import TOLERANCE, Limit, LimitCheck, LimitKind,
 from identification.limits.proof import limited_machine
 from identification.limits.sensor_loads import Loads
 from identification.motion.motion import Array
-from identification.motion.moves import Profile, fastest_profile
+from identification.motion.moves import Profile, StraightMove, fastest_profile, limits_along
 
 Law = Callable[[float, float, float], Profile]
 """Time law of a controller in a straight way from rest to rest.
@@ -34,6 +34,27 @@ class WayToFirst(Enum):
     SMOOTH = (15 / 8, 10 / math.sqrt(3.0), 60.0)  # of degree five
     ACCELERATIONS_STEP = (1.5, 6.0)  # of degree three, where accelerations of the joints are not known
     RATES_STEP = (1.0,)  # at one speed, where rates are not known either
+
+
+NO_SLOWER = 1e-9  # share of a duration
+HALVINGS = 80  # halvings of the interval of a speed, down to its last bit
+
+
+def speed_lasting(law: Callable[[float], Profile], velocity: float, duration: float) -> float:
+    """The largest velocity on the way that a move can reach which lasts at least a time, or the whole of `velocity`.
+
+    Args:
+        law: velocity on the way [1/s] -> time law of the move.
+        velocity: limit of that velocity [1/s].
+        duration: time that the move is to last [s].
+    """
+    low, high = min(velocity, 1.0 / duration), velocity  # below the mean speed it takes longer for certain
+    if law(high).duration * (1.0 + NO_SLOWER) >= duration:
+        low = high = law(high).peak_velocity  # the fastest move is a flat optimum, which bisection does not find
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if law(middle).duration > duration else (low, middle)
+    return high
 
 
 def limits_jerk(law: Law) -> bool:
@@ -93,6 +114,17 @@ class Guarantees:
         turning = math.sqrt(share * most / angle)
         along = math.sqrt(1.0 - share**2) if self.arc_along is None else self.arc_along
         return self.law(min(feed, turning), along * acceleration, along * jerk)
+
+    def lasting(self, move: StraightMove) -> StraightMove:
+        """A move as it makes it within the limits of the case and in the same time: as hard as these allow at first."""
+        limits = self.limits
+        way = np.abs(move.end - move.start)
+        velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
+
+        def law(speed: float) -> Profile:
+            return self.law(speed, acceleration, jerk)
+
+        return replace(move, profile=law(speed_lasting(law, velocity, move.duration)))
 
     @property
     def cycle(self) -> float:

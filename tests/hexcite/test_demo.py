@@ -99,8 +99,8 @@ def test_it_answers_with_each_step(demo: dict[str, Any]):
     assert demo["check"]["ok"]
     assert demo["check"]["relies_on"] == demo["check"]["without"] == []
     assert "EXCEEDED" not in demo["check"]["verdict"]
-    for limit in demo["check"]["limits"].values():  # of what it enforces, moves that it times itself are predicted
-        assert limit["ratio"] <= 1.0 + (1e-3 if limit["status"] == "enforced by controller" else 1e-6), limit["at"]
+    for limit in demo["check"]["limits"].values():
+        assert limit["ratio"] <= 1.0 + 1e-6, limit["at"]
     assert "virtual" in demo["controller"]
 
 

@@ -67,10 +67,6 @@ def limits_table(report: LimitReport) -> Markup:
     return Markup('<div class="bars" role="list" aria-label="use of each limit">\n{}\n</div>').format(rows)
 
 
-PREDICTED = 1e-3
-"""Share of a limit that a controller enforces, by which a prediction of moves that it times itself says nothing."""
-
-
 def _allowed(check: LimitCheck) -> Phrase:
     """The limit in words."""
     if check.kind.least:
@@ -83,8 +79,7 @@ def _allowed(check: LimitCheck) -> Phrase:
 
 def _exceeded(check: LimitCheck) -> bool:
     """Whether a limit that counts is exceeded, or predicted to be."""
-    within = PREDICTED if check.status is Status.ENFORCED else TOLERANCE
-    return check.ratio > 1.0 + within and check.status is not Status.LEFT_OUT
+    return check.ratio > 1.0 + TOLERANCE and check.status is not Status.LEFT_OUT
 
 
 def _bar(check: LimitCheck) -> Markup:
