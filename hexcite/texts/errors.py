@@ -337,6 +337,11 @@ ERRORS = {
     "state_unit": "recording.units.{role} angeben, eines von {units}; oder {scale}",
     "scale_of": "recording.scale = {{ {ours} = .. }}: was eine 1 jedes Kanals in {usual} ist",
     "unknown_unit": "{text} ist keine bekannte Einheit für {role}{others}",
+    "no_unit_beside": "nennt keine Einheit{others}, während {label} {text} nennt",
+    "state_unit_of_all": (
+        "recording.units.{role} = '{unit}' angeben, wenn alle {role} in {unit} sind; sonst recording.scale = {{ {keys}"
+        " }}: was eine 1 jedes Kanals in {usual} ist"
+    ),
     "several_units": "nennt verschiedene Einheiten, {text}{others}",
     "counts": "enthält Zählwerte ({text}), die nur durch einen Faktor eine Einheit haben{others}",
     "state_scale": "{scale} angeben; sind sie schon {role}, recording.units.{role} = '{usual}'",

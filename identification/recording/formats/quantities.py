@@ -37,6 +37,7 @@ def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
     by_label: dict[Role, list[tuple[str, StatedUnit]]] = {}
     contradicted: dict[Role, list[tuple[str, StatedUnit]]] = {}
     unknown: dict[str, StatedUnit] = {}
+    silent: dict[Role, list[str]] = {}
     for ours, values in table.values.items():
         role = ROLE_OF.get(ours)
         factors[ours] = form.factor(ours)
@@ -55,6 +56,8 @@ def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
         elif stated is None:
             if label not in COLUMNS and (word := counted(label, _whole(values))):
                 unknown[ours] = StatedUnit(word, None)
+            elif label not in COLUMNS:
+                silent.setdefault(role, []).append(ours)
         elif stated.symbol is None or stated.several:
             unknown[ours] = stated
         else:
@@ -63,6 +66,9 @@ def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
                 by_label.setdefault(role, []).append((label, stated))
     if unknown:
         raise _refusal(table, unknown, ranges)
+    for role, columns in silent.items():
+        if beside := by_label.get(role) or (by_label.get(Role.FORCES) if role is Role.MOMENTS else None):
+            raise _without_a_unit(table, role, columns, *beside[0])
     findings = [
         note(
             Kind.FORMAT,
@@ -244,6 +250,35 @@ def _refusal(table: ColumnTable, unknown: Mapping[str, StatedUnit], ranges: Arra
             others=others,
         )
     return RecordingError(place=f"{table.source}, {shown(label)}", problem=problem, remedy=remedy, code=Code.UNIT)
+
+
+def _without_a_unit(
+    table: ColumnTable, role: Role, silent: Sequence[str], label: str, stated: StatedUnit
+) -> RecordingError:
+    """The error for columns that state no unit beside one, `label`, that states another unit than our names have."""
+    units = ROLE_UNITS[role]
+    others = phrase("likewise", " (likewise {count} more)", count=len(silent) - 1) if len(silent) > 1 else NOTHING
+    same = units.symbol(stated.text)
+    return RecordingError(
+        place=f"{table.source}, {shown(table.form.file_name(silent[0]))}",
+        problem=phrase(
+            "no_unit_beside",
+            "states no unit{others}, where {label} states {text}",
+            others=others,
+            label=shown(label),
+            text=shown(stated.text),
+        ),
+        remedy=phrase(
+            "state_unit_of_all",
+            "state recording.units.{role} = '{unit}' if all {role} are in {unit}; else recording.scale = {{ {keys} }}, "
+            "what a 1 of each is in {usual}",
+            role=role,
+            unit=same or units.usual,
+            keys=", ".join(f"{ours} = 1" for ours in silent),
+            usual=units.usual,
+        ),
+        code=Code.UNIT,
+    )
 
 
 def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:

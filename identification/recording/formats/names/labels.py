@@ -18,14 +18,14 @@ _DIGIT = re.compile(r"\d")
 _WORDS = frozenset(
     {
         "abs", "absolute", "achse", "act", "actual", "angle", "average", "avg", "axis", "back", "base", "bottom",
-        "brutto", "cmd", "command", "dint", "double", "east", "epoch", "filt", "filtered", "flange", "float",
-        "force", "front", "fx", "fy", "fz", "gefiltert", "gmt", "gross", "hinten", "host", "inner", "int", "iso",
-        "ist", "istwert", "joint", "kraft", "left", "links", "local", "lokal", "lower", "lreal", "mean", "meas",
-        "measured", "mess", "messwert", "mittel", "mittelwert", "moment", "mx", "my", "mz", "net", "netto", "nord",
-        "north", "oben", "ost", "outer", "pitch", "position", "raw", "real", "rear", "rechts", "ref", "rel",
-        "relative", "right", "roll", "rx", "ry", "rz", "sensor", "set", "soll", "south", "sued", "tara", "tare",
-        "tared", "target", "tcp", "time", "tool", "top", "torque", "tx", "ty", "tz", "unix", "unten", "upper",
-        "utc", "value", "vorne", "wert", "west", "winkel", "world", "yaw", "zeit", "zeroed",
+        "brutto", "cmd", "command", "dint", "double", "east", "epoch", "filt", "filtered", "flange", "float", "force",
+        "front", "fx", "fy", "fz", "gefiltert", "gmt", "gross", "hinten", "host", "inner", "int", "iso", "ist",
+        "istwert", "joint", "kraft", "left", "links", "local", "lokal", "lower", "lreal", "mean", "meas", "measured",
+        "mess", "messwert", "mittel", "mittelwert", "moment", "mx", "my", "mz", "net", "netto", "nord", "north",
+        "oben", "ost", "outer", "pitch", "position", "raw", "real", "rear", "rechts", "ref", "rel", "relative",
+        "right", "roh", "rohwert", "roll", "rx", "ry", "rz", "sensor", "set", "soll", "south", "sued", "tara", "tare",
+        "tared", "target", "tcp", "time", "tool", "top", "torque", "tx", "ty", "tz", "unix", "unten", "upper", "utc",
+        "value", "vorne", "wert", "west", "winkel", "world", "yaw", "zeit", "zeroed",
     }
 )  # fmt: skip
 """Words in brackets that are not units, in small letters."""
@@ -73,6 +73,11 @@ def stated_unit(label: str, cell: str, units: Units, header: Sequence[str] = ())
 
 def _quantity(word: str) -> str:
     return _QUANTITIES.get(word.casefold(), word.casefold())
+
+
+def without_brackets(label: str) -> str:
+    """A label without what stands in brackets."""
+    return label if len(label) > LONGEST else _BRACKETED.sub(" ", label)
 
 
 def _of_column(label: str, cell: str, units: Units) -> StatedUnit | None:

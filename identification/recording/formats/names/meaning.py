@@ -31,7 +31,7 @@ from cases.recording_format import (
 from cases.schema import Case
 from identification.recording.formats.names import vocabulary as say
 from identification.recording.formats.names.families import AXES, AXIS, JOINT, NUMBER, Family, families, words_of
-from identification.recording.formats.names.labels import is_count, stated_unit
+from identification.recording.formats.names.labels import is_count, stated_unit, without_brackets
 
 Group = tuple[str, ...]
 _GROUPS: tuple[Group, ...] = (
@@ -70,6 +70,8 @@ def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[s
             positions = {*places.values()}
             free = [r for r in readings if not positions & {*r.members} and _fits(columns, r, quantities)]
             places |= _best(columns, free, names, doubts)
+    if not {*BAR_FORCES, *WRENCH} & {*places}:
+        places |= _forces_in_odd_units(names, quantities, {*places.values()}, case, doubts)
     doubts += _other_count(groups, places, names, case)
     if case is None:
         doubts += _without_a_machine(groups, places, names)
@@ -184,6 +186,38 @@ def _readings(
         yield BAR_FORCES, bars or [r for family in six for r in _by_unit(family, "force", quantities)]
     of_acceleration = [family for family in vectors if _quantity(family) == "acceleration"]
     yield ACCELEROMETER, [_reading(f) for f in of_acceleration if not say.NO_READING.among(f.rest)]
+
+
+def _forces_in_odd_units(
+    names: Sequence[str],
+    quantities: Mapping[int, frozenset[str]],
+    used: Set[int],
+    case: Case | None,
+    doubts: list[Phrase],
+) -> dict[str, int]:
+    """Forces by their names without what stands in brackets, where that is a unit of another kind, as in `F1 [N rms]`.
+
+    The reader names the unit then. Columns in units of forces whose names say that they are no readings are a doubt.
+    """
+    bare = {k: words_of(without_brackets(names[k])) for k, said in quantities.items() if said == {"another"}}
+    places: dict[str, int] = {}
+    for columns, readings in _readings([*families(bare)], {}, case):
+        if columns in (BAR_FORCES, WRENCH) and not places:
+            places = _best(columns, [r for r in readings if not used & {*r.members}], names, doubts)
+    of_forces = [k for k, said in quantities.items() if said == {FORCES.quantity} and k not in used]
+    for family in families({k: words_of(names[k]) for k in of_forces}):
+        word = next((word for word in family.rest if word in say.NO_READING), None)
+        if word is not None and len(family.members) in (len(AXES), len(BAR_FORCES)) and not places:
+            doubts.append(
+                phrase(
+                    "no_readings_by_name",
+                    "{columns} have units of forces, but by {word} they are not readings; if they are, name them in "
+                    "[recording.columns]",
+                    columns=span([names[k] for k in family.members.values()]),
+                    word=repr(word),
+                )
+            )
+    return places
 
 
 def _best(columns: Group, readings: Sequence[_Reading], names: Sequence[str], doubts: list[Phrase]) -> dict[str, int]:

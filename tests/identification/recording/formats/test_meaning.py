@@ -300,3 +300,27 @@ def test_without_a_column_its_group_has_no_meaning_and_is_not_filled_up_from_oth
         for group in groups(line.right):
             kept = {found[ours] for ours in group if ours in found} & {line.right[ours] for ours in group}
             assert len(kept) in (0, len(group)), (line.names[dropped], found)  # all of another family, or none
+
+
+@pytest.mark.parametrize("unit", ["N rms", "N_RMS", "V -> N", "N/V", "0..10 V = 0..5 kN"])
+@pytest.mark.parametrize(
+    ("on", "ours", "names"),
+    [
+        ("hexapod", BAR_FORCES, numbered("F#")),
+        ("ft_wrist", WRENCH, [*vector("F@"), *vector("M@")]),
+    ],
+)
+def test_forces_in_a_unit_that_nobody_knows_are_proposed_so_that_the_reader_names_it(
+    on: str, ours: Sequence[str], names: list[str], unit: str
+) -> None:
+    meaning = meaning_of(["t_s", *(f"{name} [{unit}]" for name in names)], machine(on))
+    assert {name: meaning.places[name] for name in ours} == {name: k for k, name in enumerate(ours, 1)}
+
+
+def test_statistics_of_forces_are_not_taken_for_them_and_it_is_said() -> None:
+    meaning = meaning_of(["t_s", *numbered("F# rms [N]")], machine("hexapod"))
+    assert not {*BAR_FORCES} & {*meaning.places}
+    (said,) = meaning.doubts
+    assert "F1 rms [N]" in said
+    assert "'rms'" in said
+    assert "[recording.columns]" in said

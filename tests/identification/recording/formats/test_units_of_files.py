@@ -210,6 +210,43 @@ def test_units_of_single_channels_may_differ(tmp_path: Path) -> None:
     np.testing.assert_allclose(read(file, mapped(labels)).forces, RUN.forces, rtol=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("units", "silent", "unit"), [("kN,-,-,-,-,-", 5, "kN"), ("-,-,-,-,-,lbf", 5, "lbf"), ("daN,daN,N,N,N,-", 1, "daN")]
+)
+def test_columns_without_a_unit_beside_one_in_another_are_refused(
+    units: str, silent: int, unit: str, tmp_path: Path
+) -> None:
+    """Nobody knows whether they are in newtons or in the unit of their neighbours; both remedies read what they say."""
+    stated = units.split(",")
+    labels = [name if says == "-" else f"{name} [{says}]" for name, says in zip(LABELS, stated, strict=True)]
+    file = with_forces(tmp_path, labels, RUN.forces)
+    others = rf".*{silent - 1} more" if silent > 1 else ""
+    first = labels[stated.index("-")]
+    with pytest.raises(RecordingError, match=rf"run\.csv, {first}: states no unit{others}.*{unit}") as caught:
+        read(file, mapped(labels))
+    said = re.search(r"recording\.scale = \{ (.*?) \}", one_line(caught.value))
+    assert said is not None
+    scale = {entry.split(" = ")[0]: float(entry.split(" = ")[1]) for entry in said[1].split(", ")}
+    factors = np.array([1.0 if says == "-" else FORCES[says] for says in stated])
+    np.testing.assert_allclose(read(file, mapped(labels, scale=scale)).forces, RUN.forces * factors)
+    assert f"recording.units.forces = '{unit}'" in one_line(caught.value)
+    whole = read(file, mapped(labels, units={"forces": unit}))
+    np.testing.assert_allclose(whole.forces, RUN.forces * FORCES[unit])
+
+
+def test_moments_without_a_unit_beside_forces_in_another_are_refused(tmp_path: Path) -> None:
+    wrist = load_case("ft_wrist")
+    names = (*(f"F{axis} [lbf]" for axis in "xyz"), *(f"T{axis}" for axis in "xyz"))
+    turns = np.tile(np.eye(3).ravel(), (12, 1))
+    numbers = np.column_stack([turns, np.random.default_rng(1).normal(size=(12, 6))])
+    file = written(tmp_path, csv(numbers, [*(f"r{i}{j}" for i in "123" for j in "123"), *names]))
+    columns = dict(zip(("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm"), names, strict=True))
+    with pytest.raises(RecordingError, match=r"Tx: states no unit.*lbf.*recording\.units\.moments = 'Nm'"):
+        read(file, case_with(wrist, columns=columns))
+    stated = read(file, case_with(wrist, columns=columns, units={"moments": "lbf-in"}))
+    np.testing.assert_allclose(stated.forces[:, 3:], numbers[:, 12:] * MOMENTS["lbf-in"], rtol=1e-7)
+
+
 def test_stamps_whose_label_is_wrong_are_read_as_the_case_states_and_it_is_said(tmp_path: Path) -> None:
     numbers = np.column_stack([RUN.t * 1e3, RUN.struts * 1e3, RUN.forces])
     file = written(tmp_path, csv(numbers, ["Time [s]", *STRUTS, *BAR_FORCES]))
