@@ -161,6 +161,7 @@ REASONS = {
     "rate": "ihre Schritte sind dann {rate} Zeilen je Sekunde, wie Rekorder sie haben",
     "lengths": "ihre Werte sind dann Längen, welche die Streben haben können",
     "ends": "ihre Werte liegen dann zwischen den Enden der Gelenke",
+    "near_home": "die Plattform steht damit nahe ihrer Grundstellung",
     "small": "ihre Werte sind klein",
     "no_unit": "keine Einheit dieser Größe; ein Maßstab muss sagen, was eine 1 ist",
     "header": "der Kopf der Datei sagt es",

@@ -15,6 +15,8 @@ LOOKS = {
     "joints_or_drives": "{columns} können Gelenke oder Antriebe sein; die Maschine nennen",
     "name_the_robot": "den Roboter nennen, für die Reihenfolge seiner Gelenke",
     "not_readings": "{columns}: keine Anzeigen des Sensors, sondern {what}; {remedy}",
+    "rows_or_columns": "{columns}: die 16 Zahlen einer homogenen Matrix, zeilen- oder spaltenweise; r11 bis r33 in "
+    "[recording.columns] zuordnen",
     "no_readings_by_name": "{columns} haben Einheiten von Kräften, sind nach {word} aber keine Anzeigen; sind sie es "
     "doch, sie in [recording.columns] nennen",
     "names_of_case": "die Maschine war für andere Dateien: recording.columns nennt {theirs}, was diese Datei nicht "

@@ -13,7 +13,7 @@ from cases.base.errors import Code, RecordingError
 from cases.base.phrases import Phrase, phrase, said
 from cases.base.units import Array
 from cases.machine import POSE
-from cases.orientation import QUATERNION, ROTATION
+from cases.orientation import ANGLES, QUATERNION, ROTATION
 from cases.recording_format import CLOCK, DRIVES, TICKS, FileFormat, RecordingFormat
 from cases.schema import Case
 from identification.looks.look import Column, FileLook, Look
@@ -163,7 +163,8 @@ def _of_another_file(files: Sequence[Path], whole: set[str], case: Case | None) 
     if case is None or case.setup == "1a" or len(files) > 1:
         return
     forces = whole >= {*case.sensor_frame.channels}
-    motion = any(whole >= {*group} for group in (case.drive_columns, DRIVES, POSE, ROTATION, QUATERNION))
+    turns = (POSE, ROTATION, QUATERNION, *((ANGLES,) if case.machine is None else ()))
+    motion = any(whole >= {*group} for group in (case.drive_columns, DRIVES, *turns))
     if forces != motion:
         both = f"hexcite look {files[0].name} OTHER"
         if forces:

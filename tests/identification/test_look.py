@@ -605,3 +605,36 @@ def test_kept_units_of_joints_go_where_the_joints_cannot_reach(
     recording = read([file], case.model_copy(update={"recording": RecordingFormat.model_validate(found.settings)}))
     assert recording.drives is not None
     assert np.allclose(recording.drives, np.deg2rad(q), atol=1e-6)
+
+
+@pytest.mark.parametrize("labels", [("O [deg]", "A [deg]", "T [deg]"), ("roll", "pitch", "yaw")])
+def test_a_sensor_that_is_turned_needs_no_other_file_and_no_angle_is_a_time(
+    labels: tuple[str, ...], tmp_path: Path
+) -> None:
+    draw = np.random.default_rng(4)
+    turns = np.degrees(draw.uniform([-3.0, 0.1, -3.0], [3.0, 1.5, 3.0], (12, 3)))
+    rows = np.column_stack([turns, draw.normal(size=(12, 6))])
+    text = [",".join([*labels, *load_case("ft_wrist").sensor_frame.channels])]
+    file = tmp_path / "standstills.csv"
+    file.write_text("\n".join([*text, *(",".join(f"{v:.9g}" for v in row) for row in rows)]))
+    case = load_case("ft_wrist").model_copy(update={"recording": RecordingFormat()})
+    result = look(file, case)
+    assert result.reads
+    assert not any("OTHER" in doubt or "by the name a time" in doubt for doubt in result.odd)
+
+
+def test_positions_in_metres_are_seen_by_where_home_is(tmp_path: Path) -> None:
+    case = load_case("hexapod")
+    assert case.hexapod is not None
+    t = np.arange(400) * 1e-3
+    poses = case.hexapod.home.vector + 0.02 * np.sin(2.0 * np.pi * t[:, None] + np.arange(6))
+    rows = np.column_stack([t, poses[:, :3], np.degrees(poses[:, 3:]), np.sin(9.0 * t[:, None] + np.arange(6))])
+    names = ["t_s", "X", "Y", "Z", "roll", "pitch", "yaw", *case.sensor_frame.channels]
+    file = tmp_path / "run.csv"
+    file.write_text("\n".join([",".join(names), *(",".join(f"{v:.9g}" for v in row) for row in rows)]))
+    result = look(file, case)
+    assert result.settings["units"] == {"positions": "m"}
+    assert "in m;" in " ".join(result.odd)
+    recording = read(file, case.model_copy(update={"recording": RecordingFormat.model_validate(result.settings)}))
+    assert recording.drives is not None
+    assert np.allclose(recording.drives, Hexapod.of(case).strut_lengths(poses), atol=1e-6)

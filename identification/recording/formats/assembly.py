@@ -15,7 +15,7 @@ from cases.base.errors import Code, RecordingError
 from cases.base.phrases import phrase
 from cases.base.unit_names import LENGTHS
 from cases.base.units import MM, Array, Flags
-from cases.machine import POSE, turned
+from cases.machine import POSE, MotionLimits, turned
 from cases.orientation import ANGLES, CONVENTIONS, OF_ANGLES, QUATERNION, ROLL_PITCH_YAW, ROTATION, Convention
 from cases.recording_format import (
     ACCELEROMETER,
@@ -304,15 +304,28 @@ def _require_place(table: ColumnTable, positions: Array, case: Case) -> None:
     if case.hexapod is None or any(k in {**table.form.scale, **table.form.offset} for k in POSE[:3]):
         return
     home, middle = case.hexapod.home.vector[:3], np.median(positions[:_FIRST], axis=0)
-    most = sum(lengths_of_struts(case)) / 4.0  # half a usual strut
     factor = table.factors[POSE[0]]
-    distances = {unit: float(np.linalg.norm(middle / factor * value - home)) for unit, value in LENGTHS.items()}
-    nearest = min(distances, key=lambda unit: distances[unit])
-    if distances[nearest] <= most < float(np.linalg.norm(middle - home)):
+    nearest = unit_of_positions(middle / factor, case)
+    if nearest is not None and float(np.linalg.norm(middle - home)) > _most_from_home(case):
         place = ", ".join(f"{value / MM:.4g}" for value in middle)
         problem = f"positions about {place} mm, where home is at {', '.join(f'{v / MM:.4g}' for v in home)} mm"
         remedy = f"they seem to be in {nearest}: set recording.units.positions = '{nearest}'"
         raise RecordingError(place=table.place(0, POSE[0]), problem=problem, remedy=remedy, code=Code.WRONG_KIND)
+
+
+def unit_of_positions(middle: Array, case: Case) -> str | None:
+    """The unit in which a position of the platform, shape (3,), is nearest to home; None where in none it is near."""
+    if case.hexapod is None:
+        return None
+    home = case.hexapod.home.vector[:3]
+    distances = {unit: float(np.linalg.norm(middle * value - home)) for unit, value in LENGTHS.items()}
+    nearest = min(distances, key=lambda unit: distances[unit])
+    return nearest if distances[nearest] <= _most_from_home(case) else None
+
+
+def _most_from_home(case: Case) -> float:
+    """How far from home a platform may be in a recording: half a usual strut [m]."""
+    return sum(lengths_of_struts(case)) / 4.0
 
 
 _AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
@@ -328,6 +341,32 @@ def lengths_of_struts(case: Case) -> tuple[float, float]:
     arms = case.hexapod.platform.points @ turned(home.vector[3:]).T
     usual = float(np.linalg.norm(home.vector[:3] + arms - case.hexapod.base.points, axis=1).mean())
     return usual / _AROUND_HOME, usual * _AROUND_HOME
+
+
+_PAST_LIMITS = 2.0  # times the limits of a motion that a recording may turn
+
+
+def can_turn(case: Case, angles: Array) -> bool:
+    """Whether a hexapod may turn its platform so far: within its struts at home, and not far past the limits of motions.
+
+    Args:
+        case: the hexapod.
+        angles: shape (n, 3) [rad]; in which order they turn does not matter here.
+    """
+    assert case.hexapod is not None
+    turns = angles[np.isfinite(angles).all(axis=1)]
+    if not len(turns):
+        return True
+    motion = None if case.limits is None else case.limits.motion
+    if isinstance(motion, MotionLimits):
+        ends = np.radians([motion.a_deg, motion.b_deg, motion.c_deg])
+        if np.abs(turns).max() > _PAST_LIMITS * np.abs(ends).max():
+            return False
+    low, high = lengths_of_struts(case)
+    most = turns[np.argmax(np.linalg.norm(turns, axis=1))]
+    upper = case.hexapod.home.vector[:3] + case.hexapod.platform.points @ turned(most).T
+    lengths = np.linalg.norm(upper - case.hexapod.base.points, axis=1)
+    return bool(lengths.min() >= low and lengths.max() <= high)
 
 
 _KEPT = frozenset((*ROTATION, *QUATERNION, TRIGGER, OVERRIDE))

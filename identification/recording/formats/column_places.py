@@ -156,8 +156,8 @@ class _Draft:
                         others=", ".join(others),
                     )
                 )
-        elif self.said.clocks:
-            which = ", ".join(repr(self.names[k]) for k in self.said.clocks)
+        elif idle := [k for k in self.said.clocks if k not in self.places.values()]:
+            which = ", ".join(repr(self.names[k]) for k in idle)
             self.doubts.append(
                 phrase(
                     "time_by_name", "{which}: by the name a time, but no number that runs on with the rows", which=which

@@ -171,6 +171,8 @@ class _Draft:
             return because(Why.RATE, rate=f"{1.0 / step:.4g}")
         if ours in STRUTS:
             return because(Why.LENGTHS)
+        if ROLE_OF.get(ours) is Role.POSITIONS:
+            return because(Why.NEAR_HOME)
         return because(Why.ENDS if ROLE_OF.get(ours) is Role.JOINTS else Why.SMALL)
 
     def _check_motion_units(self, values: Mapping[str, Array]) -> None:

@@ -26,6 +26,7 @@ class Why(Enum):
     RATE = "its steps are then {rate} rows a second, which recorders have"
     LENGTHS = "its values are then lengths that the struts can have"
     ENDS = "its values are then within the joints' ends"
+    NEAR_HOME = "the platform is then near its home"
     SMALL = "its values are small"
     NO_UNIT = "no unit of this quantity; a scale has to say what a 1 is"
     HEADER = "the header says it"

@@ -7,6 +7,8 @@ import numpy as np
 
 from cases.base.units import DEG, MM, Array
 from cases.chain import Joint
+from cases.machine import POSE
+from cases.orientation import ANGLES
 from cases.recording_format import (
     CLOCK,
     ROLE_OF,
@@ -16,7 +18,7 @@ from cases.recording_format import (
     Role,
 )
 from cases.schema import Case
-from identification.recording.formats.assembly import lengths_of_struts
+from identification.recording.formats.assembly import can_turn, lengths_of_struts, unit_of_positions
 
 USUAL_RATE = 1000.0  # what `recording.rate_Hz` has by default
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
@@ -40,7 +42,7 @@ def strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
 
 
 def units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator[tuple[str, str]]:
-    """Units of clock, struts and turning joints that fit their values."""
+    """Units of clock, struts, positions and turning joints that fit their values."""
     if CLOCK in values and len(clock := values[CLOCK]) > 1 and (step := float(np.median(np.diff(clock)))) > 0.0:
         names = ("filetime",) if FILETIMES[0] < clock[0] < FILETIMES[1] else ("s", "ms", "us", "ns")
         rates = {unit: 1.0 / (step * TICKS[unit]) for unit in names}
@@ -49,6 +51,10 @@ def units_of_values(values: Mapping[str, Array], case: Case | None) -> Iterator[
             yield CLOCK, min(possible, key=lambda unit: abs(np.log(rates[unit] / USUAL_RATE)))
     if STRUTS[0] in values and (length := strut_unit([values[strut] for strut in STRUTS if strut in values], case)):
         yield from ((strut, length) for strut in STRUTS)
+    if case is not None and {*POSE[:3]} <= {*values} and all(np.isfinite(values[ours]).any() for ours in POSE[:3]):
+        place = np.array([float(np.nanmedian(values[ours])) for ours in POSE[:3]])
+        if unit := unit_of_positions(place, case):
+            yield from ((ours, unit) for ours in POSE[:3])
     for unit, columns, _ in units_of_motion(values, case):
         yield from ((ours, unit) for ours in columns)
 
@@ -110,6 +116,10 @@ def units_of_motion(values: Mapping[str, Array], case: Case | None) -> Iterator[
         far = [sum(abs(middle * factor - home) for home, middle in placed) for factor in (usual, other[1])]
         nearer = len(of_chain) == len(columns) and far[1] < far[0] / _NEARER
         sure = bool(of_chain) and fit[1] and (not fit[0] or nearer)
+        if role is Role.ANGLES and case is not None and case.hexapod is not None and len(columns) == len(ANGLES):
+            angles = np.column_stack([values[ours] for ours in columns])
+            if not can_turn(case, angles * other[1]) and can_turn(case, angles * usual):
+                continue  # small angles of a positioning stage
         farther = bool(of_chain) and (not fit[1] or far[0] < far[1] / _NEARER)
         if sure or (small and not farther):
             yield other[0], columns, sure

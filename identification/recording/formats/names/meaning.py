@@ -76,9 +76,16 @@ def meaning_of(names: Sequence[str], case: Case | None = None, units: Sequence[s
     if case is None:
         doubts += _without_a_machine(groups, places, names)
     orientations: tuple[str, ...] = ()
-    if not {*places} & {*STRUTS, *DRIVES, *POSE, *QUATERNION, *ROTATION, *_joints(case)}:
-        pose, orientations = _pose(groups, words, quantities, case)
-        places |= pose
+    if not {*places} & {*STRUTS, *DRIVES, *POSE, *_joints(case)}:
+        own = next((group for group in (QUATERNION, ROTATION, ANGLES) if all(name in ours for name in group)), ())
+        position = {name: ours[name] for name in POSE[:3]} if all(name in ours for name in POSE[:3]) else {}
+        position = position or _place(groups, _readable(words))
+        if not own:
+            pose, orientations = _pose(groups, words, quantities, case, position)
+            places |= pose
+            doubts += [] if pose else _sixteen(groups, names)
+        elif case is not None and case.hexapod is not None:
+            places |= {name: ours[name] for name in own} | position
     clocks = sorted((k for k, of in words.items() if _is_clock(of)), key=lambda k: _clock_rank(words[k]))
     clocks = [*([places[CLOCK]] if CLOCK in places else []), *clocks]
     single = {TRIGGER: _is_trigger, OVERRIDE: _is_override}
@@ -352,6 +359,8 @@ _TRIPLES: tuple[tuple[Group, tuple[str, ...], tuple[str, ...]], ...] = (
     (("u", "v", "w"), ("xyz intrinsic",), ("xyz intrinsic",)),
     (("w", "p", "r"), ("xyz extrinsic",), ("xyz extrinsic",)),
     (("o", "a", "t"), ("zyz intrinsic",), ("zyz intrinsic",)),
+    (("phi", "theta", "psi"), ("xyz extrinsic", "xyz intrinsic", "zyz intrinsic"),
+     ("xyz extrinsic", "zyz intrinsic", "xyz intrinsic")),
     (("rx", "ry", "rz"), ("xyz extrinsic", "xyz intrinsic", "rotation vector"),
      ("rotation vector", "xyz extrinsic", "xyz intrinsic")),
 )  # fmt: skip
@@ -363,28 +372,38 @@ def _pose(
     words: Mapping[int, tuple[str, ...]],
     quantities: Mapping[int, frozenset[str]],
     case: Case | None,
+    place: Mapping[str, int],
 ) -> tuple[dict[str, int], tuple[str, ...]]:
-    """Position and orientation of the platform or sensor, and the conventions that the orientation may have."""
-    excluded = (say.NO_READING, say.SPEED, say.ACCELERATION, say.EFFORT, say.OTHER, say.FORCE)
-    read = {k: of for k, of in words.items() if not any(bad.among(_shortened(of)) for bad in excluded)}
-    positions = [f for f in found if _quantity(f) == "place" and {*f.members.values()} <= {*read}]
-    place = dict(zip(POSE[:3], positions[0].members.values(), strict=True)) if len(positions) == 1 else {}
+    """Pose of the platform or sensor, and the conventions that its orientation may have; `place`: its position."""
+    read = _readable(words)
     hexapod = case is not None and case.hexapod is not None
     turned_only = case is not None and case.machine is None  # a sensor that somebody turns: what else would they be?
     turning = {k: of for k, of in read.items() if not quantities[k] or quantities[k] & {ANGLE_UNITS.quantity, _ANY}}
     for letters, of_hexapods, of_robots in _TRIPLES:
         if (angles := _each_once(letters, turning)) and (place or turned_only or letters[0] == "roll"):
-            return place | dict(zip(ANGLES, angles, strict=True)), of_hexapods if hexapod else of_robots
+            return {**place} | dict(zip(ANGLES, angles, strict=True)), of_hexapods if hexapod else of_robots
     if numbers := _quaternion(found, words):
-        return place | dict(zip(QUATERNION, numbers, strict=True)), ("quaternion",)
+        return {**place} | dict(zip(QUATERNION, numbers, strict=True)), ("quaternion",)
     if matrix := _matrix(found, words):
-        return matrix, ("matrix",)
+        return matrix | ({**(place or _translation(words))} if hexapod else {}), ("matrix",)
     tcp = [
         f for f in found if NUMBER in f.words and len(f.members) == len(POSE) and f.rest == ("actual", "tcp", "pose")
     ]
     if len(tcp) == 1:
         return dict(zip(POSE, tcp[0].members.values(), strict=True)), ("rotation vector",)
     return {}, ()
+
+
+def _readable(words: Mapping[int, tuple[str, ...]]) -> dict[int, tuple[str, ...]]:
+    """Columns that may hold a pose by their names: no set points, speeds or forces."""
+    excluded = (say.NO_READING, say.SPEED, say.ACCELERATION, say.EFFORT, say.OTHER, say.FORCE)
+    return {k: of for k, of in words.items() if not any(bad.among(_shortened(of)) for bad in excluded)}
+
+
+def _place(found: Sequence[Family], read: Mapping[int, tuple[str, ...]]) -> dict[str, int]:
+    """The position of the platform or sensor, where only one family of columns says that it is one."""
+    positions = [f for f in found if _quantity(f) == "place" and {*f.members.values()} <= {*read}]
+    return dict(zip(POSE[:3], positions[0].members.values(), strict=True)) if len(positions) == 1 else {}
 
 
 def _quaternion(found: Sequence[Family], words: Mapping[int, tuple[str, ...]]) -> tuple[int, ...]:
@@ -429,8 +448,7 @@ _BY_COLUMNS = ("o", "t", "ee")  # O_T_EE of libfranka, 16 numbers column by colu
 def _matrix(found: Sequence[Family], words: Mapping[int, tuple[str, ...]]) -> dict[str, int]:
     """The elements of a rotation matrix, alone or within a homogeneous one; empty where there is none."""
     for side, names in ((3, _MATRICES), (4, _TRANSFORMS)):
-        elements = {place: k for k, of in words.items() if (place := _element(of, names)) is not None}
-        if {*elements} == {(i, j) for i in range(side) for j in range(side)}:
+        if elements := _elements(words, names, side):
             return {ours: elements[divmod(number, 3)] for number, ours in enumerate(ROTATION)}
     for family in found:
         rest, count = family.rest, len(family.members)
@@ -442,13 +460,44 @@ def _matrix(found: Sequence[Family], words: Mapping[int, tuple[str, ...]]) -> di
     return {}
 
 
+def _sixteen(found: Sequence[Family], names: Sequence[str]) -> Iterator[Phrase]:
+    """What to say of a homogeneous matrix by 16 numbers, of which nobody says in which order they are."""
+    for family in found:
+        if NUMBER in family.words and len(family.members) == 16 and {*family.rest} & _TRANSFORMS:
+            yield phrase(
+                "rows_or_columns",
+                "{columns}: a homogeneous matrix by its 16 numbers, row by row or column by column; map r11 to r33 in "
+                "[recording.columns]",
+                columns=span([names[k] for k in family.members.values()]),
+            )
+
+
+def _translation(words: Mapping[int, tuple[str, ...]]) -> dict[str, int]:
+    """The position in the last column of a homogeneous matrix; empty where there is none."""
+    elements = _elements(words, _TRANSFORMS, 4)
+    return {ours: elements[row, 3] for row, ours in enumerate(POSE[:3])} if elements else {}
+
+
+def _elements(words: Mapping[int, tuple[str, ...]], names: Set[str], side: int) -> dict[tuple[int, int], int]:
+    """Positions of the elements of a square matrix, rows and columns from 0; empty where they are not all there.
+
+    Names count them from 1 or from 0: `R11` to `R33`, `R00` to `R22`.
+    """
+    elements = {place: k for k, of in words.items() if (place := _element(of, names)) is not None}
+    for first in (1, 0):
+        numbers = range(first, first + side)
+        if {*elements} == {(i, j) for i in numbers for j in numbers}:
+            return {(i - first, j - first): k for (i, j), k in elements.items()}
+    return {}
+
+
 def _element(words: tuple[str, ...], names: Set[str]) -> tuple[int, int] | None:
-    """Row and column of a matrix element, from 0, by the two digits of its name; None: it is not one."""
+    """Row and column of a matrix element by the two digits of its name; None: it is not one."""
     digits = "".join(word for word in words if word.isdecimal())
     named = [word for word in words if not word.isdecimal()]
-    if len(digits) != 2 or not {*named} <= names or not named or "0" in digits:
+    if len(digits) != 2 or not {*named} <= names or not named:
         return None
-    return int(digits[0]) - 1, int(digits[1]) - 1
+    return int(digits[0]), int(digits[1])
 
 
 def _without_a_machine(found: Sequence[Family], places: Mapping[str, int], names: Sequence[str]) -> Iterator[Phrase]:

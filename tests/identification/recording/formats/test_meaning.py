@@ -324,3 +324,41 @@ def test_statistics_of_forces_are_not_taken_for_them_and_it_is_said() -> None:
     assert "F1 rms [N]" in said
     assert "'rms'" in said
     assert "[recording.columns]" in said
+
+
+POSITION = ("x_mm", "y_mm", "z_mm")
+
+
+@pytest.mark.parametrize(
+    ("ours", "names"),
+    [
+        (QUATERNION, ["qw", "qx", "qy", "qz"]),
+        (ROTATION, [f"R{i}{j}" for i in "123" for j in "123"]),
+        (ROTATION, [f"R{i}{j}" for i in "012" for j in "012"]),
+        (ROTATION, numbered("R[#]", 0, 9)),
+        (ANGLES, ["a_deg", "b_deg", "c_deg"]),
+        (ANGLES, ["phi", "theta", "psi"]),
+    ],
+)
+@pytest.mark.parametrize("place", [["X [mm]", "Y [mm]", "Z [mm]"], [*POSITION]])
+def test_a_hexapods_pose_is_position_and_orientation_whatever_writes_them(
+    ours: Sequence[str], names: list[str], place: list[str]
+) -> None:
+    meaning = meaning_of(["t_s", *place, *names, *numbered("f#_N")], machine("hexapod"))
+    assert {name: meaning.places.get(name) for name in (*POSITION, *ours)} == {
+        name: k for k, name in enumerate((*POSITION, *ours), 1)
+    }
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_homogeneous_matrix_holds_position_and_orientation(first: int) -> None:
+    numbers = range(first, first + 4)
+    meaning = meaning_of([f"T_{i}_{j}" for i in numbers for j in numbers], machine("hexapod"))
+    assert [meaning.places[name] for name in POSITION] == [3, 7, 11]
+    assert [meaning.places[name] for name in ROTATION] == [0, 1, 2, 4, 5, 6, 8, 9, 10]
+
+
+def test_sixteen_numbers_of_a_matrix_have_no_order_and_it_is_said() -> None:
+    meaning = meaning_of(numbered("T[#]", 0, 16), machine("hexapod"))
+    assert not {*ROTATION} & {*meaning.places}
+    assert any("T[0] .. T[15]" in said and "r11" in said for said in meaning.doubts)
