@@ -8,7 +8,7 @@ from operator import attrgetter
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from cases.base.phrases import phrase, said
 from cases.base.unit_names import ANGLES, FORCES, LENGTHS, MOMENTS, SHARES, TIMES, Units
@@ -390,6 +390,18 @@ class FileOfRun(FileFormat):
 
     match: str | None = None
     """Pattern of the file's name, such as `forces*.csv`; by default the table is for files that have its columns."""
+    _number: int = PrivateAttr(default=0)
+
+    @property
+    def number(self) -> int:
+        """Which of the tables it is, from 0, among the ways in which a file may be written."""
+        return self._number
+
+    def as_number(self, number: int, **update: object) -> Self:
+        """The same with its number, and with other values."""
+        table = self.model_copy(update=update)
+        table._number = number
+        return table
 
     @model_validator(mode="after")
     def _of_files_alone(self) -> Self:
@@ -418,10 +430,15 @@ class RecordingFormat(FileFormat):
     def ways(self, name: str) -> tuple[FileFormat, ...]:
         """How a file of this name may be written: by the tables that name it, else those that name none, and this."""
         machine = {"drives": self.drives, "accelerometer": self.accelerometer}
-        tables = [form.model_copy(update=machine | {"ros": self.ros | form.ros}) for form in self.files]
+        tables = [form.as_number(k, **machine, ros=self.ros | form.ros) for k, form in enumerate(self.files)]
         named = tuple(form for form in tables if form.match is not None and fnmatch(name, form.match))
         return named or (*(form for form in tables if form.match is None), self.model_copy(update={"files": ()}))
 
     def file_name(self, ours: str) -> str:
         """Name that files have for one of our columns."""
         return next((name for form in (self, *self.files) if (name := form.stated_name(ours))), ours)
+
+    def place(self, key: str, ours: str) -> str:
+        """Where a key for a column of ours stands: in the table of `files` that names the column, if one does."""
+        named = [k for k, form in enumerate(self.files, 1) if ours in {*form.columns, *(form.column_names or ())}]
+        return f"recording.files[{named[0]}].{key}" if len(named) == 1 else f"recording.{key}"

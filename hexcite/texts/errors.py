@@ -190,7 +190,7 @@ ERRORS = {
     "poses_lose_rank": "{count} Posen bestimmen Modell {model} nicht: Algorithmus 1 endet bei {fewest}, jede weitere "
     "weniger verliert Rang",
     "ask_for_more": "{count} oder mehr verlangen",
-    "set_forces_unit": "recording.units.forces = '{unit}' in die Maschine schreiben",
+    "set_forces_unit": "{key} = '{unit}' in die Maschine schreiben",
     "averaged_already": "Ihre Zeilen sind schon gemittelt",
     "leave_poses_out": "{poses} und {standstills} weglassen",
     "inertia_at_rest": "Modell {model} enthält Trägheit, die Stillstände nicht anregen",
@@ -337,6 +337,7 @@ ERRORS = {
     "state_unit": "recording.units.{role} angeben, eines von {units}; oder {scale}",
     "scale_of": "recording.scale = {{ {ours} = .. }}: was eine 1 jedes Kanals in {usual} ist",
     "unknown_unit": "{text} ist keine bekannte Einheit für {role}{others}",
+    "in_its_table": "Schlüssel dieser Datei stehen in recording.files[{number}] der Maschine",
     "no_unit_beside": "nennt keine Einheit{others}, während {label} {text} nennt",
     "state_unit_of_all": (
         "recording.units.{role} = '{unit}' angeben, wenn alle {role} in {unit} sind; sonst recording.scale = {{ {keys}"

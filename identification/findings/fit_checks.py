@@ -168,7 +168,12 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
                 nominal=f"{nominal:g}",
                 unit=unit,
             ),
-            remedy=phrase("set_forces_unit", "set recording.units.forces = '{unit}' in the case", unit=unit),
+            remedy=phrase(
+                "set_forces_unit",
+                "set {key} = '{unit}' in the case",
+                unit=unit,
+                key=form.place("units.forces", case.sensor_frame.channels[0]),
+            ),
             code=Code.UNIT,
         )
         # Forces and mass are proportional: tried, the key makes this mass that of a body that is expected.

@@ -163,7 +163,7 @@ def _in_kept_unit(recording: Recording, case: Case, bad: float) -> RecordingErro
             largest=f"{np.nanmax(np.abs(recording.forces[:, : len(channels)])):.4g}",
             most=f"{most:g}",
         ),
-        remedy=phrase("set_forces_unit", "set recording.units.forces = '{unit}' in the case", unit=unit),
+        remedy=phrase("set_forces_unit", "set {key} = '{unit}' in the case", unit=unit, key="recording.units.forces"),
         code=Code.UNIT,
     )
     error.remedies = (Remedy(fits, (Write(("recording", "units", "forces"), unit),)),)

@@ -26,11 +26,13 @@ from identification.findings.causes.hypothesis import (
     pace_of,
 )
 from identification.findings.causes.instants import instants_of
-from identification.findings.causes.remedies import Deviations, keys_to_write, numbers_of, remedy
+from identification.findings.causes.remedies import Deviations, Path, Places, keys_to_write, numbers_of, remedy
 from identification.findings.causes.search import Search, search
+from identification.findings.causes.tables_of_files import as_one_table, places_in_tables
 from identification.machines.hexapod import Hexapod
 from identification.machines.of_case import machine_of
 from identification.model.model import Model, identification_model
+from identification.recording.formats.reading import tables_of_columns
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import scan
 from identification.samples.samples import Fitted
@@ -80,6 +82,14 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
         evaluate: fits a run as this one is fitted; raises HexciteError where it cannot.
         fit: the fit to it, where there is one: samples in contact are not in its residuals.
     """
+    tables = dict[str, int]()
+    with suppress(HexciteError):  # files that are no longer there
+        tables = tables_of_columns(recording.paths, case)
+    case = as_one_table(case, tables)
+
+    def places(path: Path) -> list[Path]:
+        return places_in_tables(path, tables)
+
     clean = recording
     with suppress(HexciteError):
         clean = scan(recording, case).recording
@@ -89,7 +99,9 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
     causes = causes_of(explanation, recording, case, model, evaluate)
     if causes:
         return Answer(
-            True, _named(causes, explanation, case), remedies=tuple(r for c in causes for r in _keys(c, case))
+            True,
+            _named(causes, explanation, case, places),
+            remedies=tuple(r for c in causes for r in _keys(c, case, places)),
         )
     if not explanation.families:
         return None
@@ -177,19 +189,19 @@ def words_of(trial: Trial) -> Phrase:
     return enumerated("and", [hypothesis.words for hypothesis in trial])
 
 
-def remedy_of(trial: Trial, case: Case, deviations: Deviations | None = None) -> Phrase:
+def _remedy_of(trial: Trial, case: Case, deviations: Deviations | None, places: Places) -> Phrase:
     """What to write into the case, or to do, where a trial is right."""
     keyed = tuple(hypothesis for hypothesis in trial if not hypothesis.remedy)
-    keys = keys_to_write(case, case_of(keyed, case), deviations)
+    keys = keys_to_write(case, case_of(keyed, case), deviations, places)
     return enumerated("and", [*([keys] if keys else []), *(h.remedy for h in trial if h.remedy)])
 
 
-def _keys(cause: Cause, case: Case) -> tuple[Remedy, ...]:
+def _keys(cause: Cause, case: Case, places: Places) -> tuple[Remedy, ...]:
     """The keys that mend a cause; none where something beside them is to be done, or its sizes are not surely known."""
     trial = cause.trial
     if any(h.remedy for h in trial) or cause.loose:
         return ()
-    return remedy(words_of(trial), case, case_of(trial, case), _deviations(cause, case))
+    return remedy(words_of(trial), case, case_of(trial, case), _deviations(cause, case), places)
 
 
 def _deviations(cause: Cause, case: Case) -> Deviations | None:
@@ -200,15 +212,15 @@ def _deviations(cause: Cause, case: Case) -> Deviations | None:
     return lambda places: deviations_of(lambda trial: numbers_of(case_of(trial, case), places), cause.trial, certainty)
 
 
-def _what_to_do(cause: Cause, case: Case) -> Phrase:
+def _what_to_do(cause: Cause, case: Case, places: Places) -> Phrase:
     """The remedy of a cause, or why its sizes are not to be written into the case."""
     if not cause.loose:
-        return remedy_of(cause.trial, case, _deviations(cause, case))
+        return _remedy_of(cause.trial, case, _deviations(cause, case), places)
     words = "too loosely known to be written into the case ({why}): measure it at the machine and write that"
     return phrase("too_loose", words, why=said(cause.loose))
 
 
-def _named(causes: list[Cause], found: Search, case: Case) -> Phrase:
+def _named(causes: list[Cause], found: Search, case: Case, places: Places) -> Phrase:
     named = [cause.entry for cause in causes]
     residual = named[0].residual_forces()
     before = None if found.recorded is None else found.recorded.residual_forces()
@@ -225,7 +237,7 @@ def _named(causes: list[Cause], found: Search, case: Case) -> Phrase:
         smaller=smaller,
         newtons=f"{residual.newtons:.2g}",
         noise=f"{residual.noise:.2g}",
-        remedies=enumerated("or", list(dict.fromkeys(_what_to_do(cause, case) for cause in causes))),
+        remedies=enumerated("or", list(dict.fromkeys(_what_to_do(cause, case, places) for cause in causes))),
     )
 
 

@@ -18,25 +18,36 @@ MOST_KEYS = 12  # that a sentence lists
 Path = tuple[str | int, ...]
 
 
+Places = Callable[[Path], Sequence[Path]]
+"""Where in a case file a key of the case stands."""
 Deviations = Callable[[Sequence[Path]], Sequence[Array]]
 """Standard deviations of what an edited case has at some places, shapes as there; 0 of what was not estimated."""
 
 
-def keys_to_write(case: Case, edited: Case, deviations: Deviations | None = None) -> Phrase:
+def as_it_stands(path: Path) -> Sequence[Path]:
+    """A key stands where the case has it."""
+    return [path]
+
+
+def keys_to_write(
+    case: Case, edited: Case, deviations: Deviations | None = None, places: Places = as_it_stands
+) -> Phrase:
     """The keys that lead from a case to another, by table, as they stand in a file; empty where none differs.
 
     Args:
         case: as it is.
         edited: as it is mended.
         deviations: of values that were estimated.
+        places: where in the file each key is to be written.
     """
     tables: dict[str, list[tuple[str, str]]] = {}
     written = list(_differences(case.model_dump(mode="json"), edited.model_dump(mode="json")))
     stds = [np.zeros(())] * len(written) if deviations is None else deviations([path for path, _ in written])
     for (path, value), std in zip(written, stds, strict=True):
-        table, key = _place(path, case)
         text = "" if value is None else f" = {_toml(value)}{_plus_minus(std)}"
-        tables.setdefault(table, []).append((key, text))
+        for place in places(path):
+            table, key = _place(place, case)
+            tables.setdefault(table, []).append((key, text))
     parts = [_in_table(table, entries) for table, entries in tables.items()]
     return phrase("write", "write {keys}", keys=enumerated("and", parts)) if parts else NOTHING
 
@@ -58,7 +69,9 @@ def _numeric(value: Any) -> Array:
     return np.zeros(())
 
 
-def remedy(words: str, case: Case, edited: Case, deviations: Deviations | None = None) -> tuple[Remedy, ...]:
+def remedy(
+    words: str, case: Case, edited: Case, deviations: Deviations | None = None, places: Places = as_it_stands
+) -> tuple[Remedy, ...]:
     """The keys that lead from a case to another, for programs that write them; none where no key differs.
 
     Args:
@@ -66,13 +79,15 @@ def remedy(words: str, case: Case, edited: Case, deviations: Deviations | None =
         case: as it is.
         edited: as it is mended.
         deviations: of values that were estimated.
+        places: where in the file each key is to be written.
     """
     before, after = case.model_dump(mode="json"), edited.model_dump(mode="json")
-    places = dict.fromkeys(path[:-1] if isinstance(path[-1], int) else path for path, _ in _differences(before, after))
-    stds = [np.zeros(())] * len(places) if deviations is None else deviations(list(places))
+    paths = dict.fromkeys(path[:-1] if isinstance(path[-1], int) else path for path, _ in _differences(before, after))
+    stds = [np.zeros(())] * len(paths) if deviations is None else deviations(list(paths))
     keys = tuple(
-        Write(place, _rounded(_at(before, place), _at(after, place)), std.tolist() if np.any(std > 0.0) else None)
-        for place, std in zip(places, stds, strict=True)
+        Write(place, _rounded(_at(before, path), _at(after, path)), std.tolist() if np.any(std > 0.0) else None)
+        for path, std in zip(paths, stds, strict=True)
+        for place in places(path)
     )
     return (Remedy(words, keys),) if keys else ()
 
@@ -142,8 +157,13 @@ def _place(path: Path, case: Case) -> tuple[str, str]:
     if path[:3] == ("machine", "chain", "joints") and case.chain is not None and isinstance(path[3], int):
         return f"{_JOINT}{case.chain.joints[path[3]].name}{_OF_JOINTS}", ".".join(words[4:])
     if isinstance(path[-1], int):
-        return ".".join(words[:-2]), words[-2] + words[-1]
-    return ".".join(words[:-1]), words[-1]
+        return _joined(words[:-2]), words[-2] + words[-1]
+    return _joined(words[:-1]), words[-1]
+
+
+def _joined(words: Sequence[str]) -> str:
+    """Keys with points between them, an entry of a list behind its key: `recording.files[1].columns`."""
+    return ".".join(words).replace(".[", "[")
 
 
 def _toml(value: Any) -> str:

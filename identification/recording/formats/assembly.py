@@ -347,7 +347,7 @@ _PAST_LIMITS = 2.0  # times the limits of a motion that a recording may turn
 
 
 def can_turn(case: Case, angles: Array) -> bool:
-    """Whether a hexapod may turn its platform so far: within its struts at home, and not far past the limits of motions.
+    """Whether a hexapod may turn its platform so far: within its struts at home, not far past the limits of motions.
 
     Args:
         case: the hexapod.

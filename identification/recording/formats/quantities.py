@@ -13,7 +13,19 @@ from cases.base.errors import Code, RecordingError, Remedy, Write
 from cases.base.phrases import NOTHING, phrase
 from cases.base.unit_names import is_share, is_unit
 from cases.base.units import Array
-from cases.recording_format import BAR_FORCES, CLOCK, COLUMNS, ROLE_OF, ROLE_UNITS, TICKS, WRENCH, RecordingFormat, Role
+from cases.recording_format import (
+    BAR_FORCES,
+    CLOCK,
+    COLUMNS,
+    ROLE_OF,
+    ROLE_UNITS,
+    TICKS,
+    WRENCH,
+    FileFormat,
+    FileOfRun,
+    RecordingFormat,
+    Role,
+)
 from identification.finding import Finding, Kind, note, warning
 from identification.recording.formats.names.families import words_of
 from identification.recording.formats.names.labels import StatedUnit, counted, is_count, stated_unit
@@ -86,7 +98,7 @@ def with_units(table: ColumnTable, ranges: Array | None = None) -> ColumnTable:
     findings += [
         replace(
             contradiction(
-                f"recording.units.{role}", _labels(columns), _symbols(columns), form.units[role], table.source
+                f"{_table_of(form)}.units.{role}", _labels(columns), _symbols(columns), form.units[role], table.source
             ),
             remedies=_by_label(table, role, columns, ranges),
         )
@@ -139,6 +151,11 @@ def contradiction(key: str, labels: str, says: str, used: str, source: str = "",
     sentence = f"the file says {says} of {labels}, {key} {whose} says {used}, which is used; correct one of them"
     entries = {"key": key, "labels": labels, "says": says, "used": used}
     return warning(Kind.FORMAT, sentence, source, contradicted=entries)
+
+
+def _table_of(form: FileFormat) -> str:
+    """Where the keys of a file stand in its case."""
+    return f"recording.files[{form.number + 1}]" if isinstance(form, FileOfRun) else "recording"
 
 
 def _by_label(
@@ -297,7 +314,7 @@ def _tick(table: ColumnTable) -> tuple[float, list[Finding]]:
             return _multiple(table, stated)
         if stated.symbol in (None, form.clock.unit):
             return table.tick, []
-        key, unit = "recording.clock.unit", form.clock.unit
+        key, unit = f"{_table_of(form)}.clock.unit", form.clock.unit
         return table.tick, [contradiction(key, shown(label), stated.text, unit, table.source)]
     if stated.symbol is None or stated.several:
         known = "is not a unit of time that is known" if not stated.several else "are units that differ"

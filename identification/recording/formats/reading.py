@@ -5,7 +5,9 @@ files, or in a table for each.
 """
 
 import os
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -91,10 +93,18 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
             others,
         )
     for table in tables:
-        require_clock(table)  # before the first of them is taken for the run's beginning
-    tables = [part for table in tables for part in by_clock(clocked(table))]
+        with _in_table_of(table):
+            require_clock(table)  # before the first of them is taken for the run's beginning
+    parts: list[ColumnTable] = []
+    for table in tables:
+        with _in_table_of(table):
+            parts += by_clock(clocked(table))
+    tables = parts
     origin = min((start_of(table) for table in tables if table.stamps is not None), default=Fraction(0))
-    streams = [stream_of(table, case, origin) for table in tables]
+    streams: list[Stream] = []
+    for table in tables:
+        with _in_table_of(table):
+            streams += [stream_of(table, case, origin)]
     _require_whole(streams, case, [name for table in tables for name in table.names])
     findings = tuple(finding for stream in streams for finding in stream.findings)
     stated = [bool(table.form.clock.offset_s) for table in tables]
@@ -119,6 +129,22 @@ def written_columns(paths: Sequence[Path], case: Case, names: Sequence[str]) -> 
             if {*names} <= table.values.keys():
                 return np.column_stack([table.values[c] * table.factors[c] + table.form.shift(c) for c in names])
     return None
+
+
+def tables_of_columns(paths: Sequence[Path], case: Case) -> dict[str, int]:
+    """Our columns of a run's files that a table of `[[recording.files]]` reads -> its number, from 0.
+
+    Raises RecordingError where a file cannot be read.
+    """
+    if not case.recording.files:
+        return {}
+    return {
+        ours: table.form.number
+        for path, more_bags in bags_together(paths)
+        for table in _read_in_one_of(*_file_of(path, case, more_bags), case, more_bags)
+        if isinstance(table.form, FileOfRun)
+        for ours in (*table.values, *((CLOCK,) if table.stamps is not None else ()))
+    }
 
 
 _ROS_1 = b"#ROSBAG V"
@@ -214,7 +240,9 @@ def _read_in_one_of(
             return read_tables(file, ways[0], case.sensors.range, more_bags)
         except RecordingError as error:
             patterns = [form.match for form in case.recording.files if form.match is not None]
-            if not patterns or isinstance(ways[0], FileOfRun):
+            if isinstance(ways[0], FileOfRun):
+                raise _in_its_table(error, ways[0]) from error
+            if not patterns:
                 raise
             raise error.beside([f"its name fits no match of [[recording.files]]: {listed(patterns)}"]) from error
     problems = []
@@ -239,6 +267,36 @@ def _read_in_one_of(
         remedy=remedy,
         code=Code.WRONG_KIND,
     )
+
+
+@contextmanager
+def _in_table_of(table: ColumnTable) -> Iterator[None]:
+    """What is wrong with a file is said with the table of the case that reads it."""
+    try:
+        yield
+    except RecordingError as error:
+        named = _in_its_table(error, table.form)
+        if named is error:
+            raise
+        raise named from error
+
+
+def _in_its_table(error: RecordingError, form: FileFormat) -> RecordingError:
+    """An error about a file, which names keys of `[recording]`, with the table in which those of this file stand."""
+    if not isinstance(form, FileOfRun) or not _KEYS.search(error.message):
+        return error
+    return error.beside(
+        [
+            phrase(
+                "in_its_table",
+                "keys of this file stand in recording.files[{number}] of the case",
+                number=form.number + 1,
+            )
+        ]
+    )
+
+
+_KEYS = re.compile(r"recording\.(?=[a-z_]+)|\[recording(?=[.\]])")
 
 
 def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) -> None:

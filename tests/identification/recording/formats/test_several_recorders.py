@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.base.errors import CaseError, RecordingError
+from cases.base.errors import CaseError, HexciteError, RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case, load_case
 from identification.identify import identify
@@ -110,6 +110,47 @@ def test_a_name_that_no_pattern_fits_is_named_with_the_patterns(tmp_path: Path) 
     with pytest.raises(RecordingError, match=r"fits no match of \[\[recording\.files\]\]: struts\*, kraft\*") as caught:
         read([file], case_of(SAMPLER | {"match": "struts*"}, AMPLIFIER | {"match": "kraft*"}))
     one_line(caught.value)
+
+
+@pytest.mark.parametrize("unit", ["Pfund", "counts"])
+def test_a_refusal_of_a_file_names_the_table_whose_key_mends_it(unit: str, tmp_path: Path) -> None:
+    labels = [f"Kraft {k} [{unit}]" for k in range(1, 7)]
+    columns: Any = AMPLIFIER["columns"]
+    named = {"columns": columns | dict(zip(BAR_FORCES, labels, strict=True)), "match": "forces*"}
+    text = amplified(tmp_path, 0.0).read_text()
+    files = [written(tmp_path, text.replace("[daN]", f"[{unit}]"), "forces.csv"), sampled(tmp_path)]
+    table: dict[str, Any] = AMPLIFIER | named
+    with pytest.raises(RecordingError, match=r"recording\.units\.forces.*stand in recording\.files\[2\]") as caught:
+        read(files, case_of(SAMPLER | {"match": "struts*"}, table))
+    one_line(caught.value)
+    mended = read(files, case_of(SAMPLER | {"match": "struts*"}, table | {"units": {"forces": "daN"}}))
+    assert abs(mended.forces.mean(axis=0) - run(np.arange(0.0, 4.2, 0.01)).forces.mean(axis=0)).max() < 20.0
+
+
+@pytest.mark.parametrize("by_name", [True, pytest.param(False, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("which", ["forces", pytest.param("struts", marks=pytest.mark.slow)])
+def test_keys_of_a_cause_stand_in_the_table_that_reads_the_columns_and_mend_the_run(
+    which: str, by_name: bool, tmp_path: Path
+) -> None:
+    names = ["trigger", "l2_mm", "l1_mm", *STRUTS[2:]] if which == "struts" else ["trigger", *STRUTS]
+    columns: Any = AMPLIFIER["columns"]
+    if which == "forces":
+        columns = columns | {"f1_N": GERMAN[1], "f2_N": GERMAN[0]}
+    patterns: Any = ({"match": "struts*"}, {"match": "*.csv"}) if by_name else ({}, {})
+    case = case_of(SAMPLER | {"column_names": names} | patterns[0], AMPLIFIER | {"columns": columns} | patterns[1])
+    files = [amplified(tmp_path, late=0.2731), sampled(tmp_path)]
+    with pytest.raises(HexciteError, match="exchanged") as caught:
+        identify(read(files, case), case)
+    ((words, keys, *_),) = [(each.words, each.keys) for each in caught.value.remedies]
+    assert f"recording.files[{2 if which == 'forces' else 1}].columns" in one_line(caught.value)
+    tables: dict[str, Any] = case.model_dump(mode="json", exclude_none=True)
+    for key in keys:
+        table: Any = tables
+        for part in key.place[:-1]:
+            table = table[part]
+        table[key.place[-1]] = key.value
+    mended = case_with(case, files=tables["recording"]["files"])
+    assert abs(identify(read(files, mended), mended)["m"].value - MASS) < 0.1, words
 
 
 def test_what_belongs_to_the_machine_is_stated_once(tmp_path: Path) -> None:
