@@ -35,6 +35,7 @@ ERRORS = {
     "install_ros": "pip install 'hexcite[ros]'",
     "bag_damaged": "ist ein beschädigter Bag ({reason})",
     "copy_or_reindex": "noch einmal kopieren, oder ros2 bag reindex ausführen",
+    "copy_or_recover": "noch einmal kopieren, oder mcap recover DATEI -o GANZ.mcap ausführen",
     "copy_or_reindex_ros1": "noch einmal kopieren, oder rosbag reindex ausführen",
     "empty_bag": "enthält keine Nachricht",
     "not_scope": (

@@ -220,6 +220,10 @@ FINDINGS = {
     "slow_noise": "Der Lauf ist kurz für das Gedächtnis seines Rauschens: {share} % der Varianz sind von Rauschen, "
     "das ein Viertel des Laufs oder länger anhält und von dem der Lauf wenig zeigt; ± ist vielleicht bis zu 1,5-mal "
     "zu klein. Mehrmals so lang aufzeichnen, oder suchen, was driftet",
+    "bag_cut": "{bag}: Das Inhaltsverzeichnis fehlt, und die Datei ist abgeschnitten: Ihre Nachrichten wurden einzeln "
+    "gelesen, bis {seconds} s nach der ersten; was später aufgezeichnet wurde, ist verloren",
+    "bag_without_index": "{bag}: Das Inhaltsverzeichnis fehlt, wie nach hartem Anhalten der Aufzeichnung: Ihre "
+    "Nachrichten wurden einzeln gelesen, bis {seconds} s nach der ersten",
     "slow_noise_standing": "Der Stillstand ist kurz für das Gedächtnis seines Rauschens: {share} % der Varianz seiner "
     "Mittel sind von Rauschen, das ein Viertel davon oder länger anhält; ± der Nullpunkte ist um so viel größer, und "
     "noch zu klein, wo Rauschen länger anhält als der Stillstand. Mehrmals so lang aufzeichnen, oder suchen, was "

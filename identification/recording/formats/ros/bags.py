@@ -10,10 +10,11 @@ import struct
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import islice, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from cases.base.errors import Code, RecordingError
 from cases.base.phrases import phrase
 from cases.recording_format import CLOCK, WRENCH, Clock, FileFormat
 from cases.schema import Case
+from identification.finding import Finding
 from identification.recording.formats.ros.frames import require_frame
 from identification.recording.formats.ros.reindexed import SUFFIXES, readable
 from identification.recording.formats.table import ColumnTable, Lines, listed, shown
@@ -59,7 +61,7 @@ _FIRST = 200  # messages that show which joints a topic has
 def _has_joints(bags: Sequence[Path], form: FileFormat, stated: Iterable[str], own: Iterable[str]) -> bool:
     """Whether bags have all joints by their own names, and not those that are stated."""
     try:
-        with opened(bags) as reader:
+        with opened(bags) as (reader, _):
             topic = topic_of(place_of(bags), reader, "joints", form.ros.get("joints"))
             names = {str(name) for _, message in islice(_messages(reader, topic), _FIRST) for name in message.name}
     except RecordingError:
@@ -73,7 +75,7 @@ def bag_tables(bags: Sequence[Path], form: FileFormat) -> Iterator[ColumnTable]:
     A recorder that splits its bag continues a topic in the next one; two recorders have a topic each.
     """
     bag = place_of(bags)
-    with opened(bags) as reader:
+    with opened(bags) as (reader, findings):
         joints, wrench = (topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS)
         for topic in (joints, wrench):
             _require_one_run(reader, bags, topic)
@@ -87,7 +89,7 @@ def bag_tables(bags: Sequence[Path], form: FileFormat) -> Iterator[ColumnTable]:
                 remedy="map their names in [recording.columns] of the case, such as q1_deg",
                 code=Code.MISSING,
             )
-        yield table
+        yield replace(table, findings=findings)
         if (table := _table(f"{bag}, {wrench}", AXES, _readings(bag, reader, wrench, form), form)) is None:
             problem = "holds none of the messages that the bag's index counts"
             raise RecordingError(
@@ -133,12 +135,21 @@ def _copy_or_reindex(bags: Sequence[Path]) -> str:
     """The remedy for bags that are damaged, by the tool of the ROS that wrote them."""
     if all(bag.suffix.lower() in SUFFIXES for bag in bags):
         return phrase("copy_or_reindex_ros1", "copy it again, or run rosbag reindex")
+    if all(bag.suffix.lower() == ".mcap" for bag in bags):
+        return phrase("copy_or_recover", "copy it again, or run mcap recover FILE -o WHOLE.mcap")
     return phrase("copy_or_reindex", "copy it again, or run ros2 bag reindex")
 
 
+class Opened(NamedTuple):
+    """Bags of one run, read as one."""
+
+    reader: "AnyReader"
+    findings: tuple[Finding, ...]  # what was missing in them
+
+
 @contextmanager
-def opened(bags: Sequence[Path]) -> "Iterator[AnyReader]":
-    """The bags of one run, read as one, whose damages become one line each."""
+def opened(bags: Sequence[Path]) -> Iterator[Opened]:
+    """The bags of one run, whose damages become one line each."""
     bag = place_of(bags)
     try:
         import apsw  # by which rosbags reads SQLite
@@ -159,9 +170,10 @@ def opened(bags: Sequence[Path]) -> "Iterator[AnyReader]":
     inside = (rosbag1.ReaderError, rosbag1.WriterError, rosbag2.ReaderError, SerdeError, TypesysError, apsw.Error)
     try:
         with TemporaryDirectory() as folder:
-            files = [readable(bag, Path(folder)) for bag in bags]
+            readables = [readable(bag, Path(folder)) for bag in bags]
+            files = [each.file for each in readables]
             with AnyReader(files, default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-                yield reader
+                yield Opened(reader, tuple(finding for each in readables for finding in each.findings))
     except (*damaged, *inside, ArithmeticError, MemoryError, struct.error, sqlite3.Error) as error:
         if isinstance(error, RecordingError):
             raise

@@ -1,15 +1,20 @@
-"""Bags of ROS 1 whose index is missing, as a recorder that was stopped hard leaves them: read record by record.
+"""Bags of ROS 1 whose index is missing, as a recorder that was stopped or a copy that was cut leaves them.
 
 `rosbag record` writes the index last; until then the file is called `.bag.active`, and its header says 0 where the
-index is. Messages and connections stand in the file all the same (format 2.0 of ROS bags).
+index is. Messages and connections stand in the file all the same (format 2.0 of ROS bags): they are read record by
+record. A file that was cut has a header that points behind its end.
 """
 
 import bz2
 import mmap
 import struct
 from collections.abc import Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
+
+from cases.base.phrases import phrase
+from identification.finding import Finding, Kind, note
 
 SUFFIXES = (".bag", ".active")  # of bags of ROS 1, in lower case
 _MARK = b"#ROSBAG V2.0\n"
@@ -23,32 +28,77 @@ class _Record(NamedTuple):
     data: bytes
 
 
-def readable(bag: Path, folder: Path) -> Path:
+class Readable(NamedTuple):
+    """A bag that readers of bags can read."""
+
+    file: Path
+    findings: tuple[Finding, ...] = ()  # what was missing in it
+
+
+def readable(bag: Path, folder: Path) -> Readable:
     """The bag itself, or a copy of it in a folder, with an index and a name that readers of bags know.
 
     Raises ValueError, struct.error or OSError where its records are damaged.
     """
     if bag.suffix.lower() not in SUFFIXES or not bag.is_file():
-        return bag
-    if bag.suffix == SUFFIXES[0] and _indexed(bag):
-        return bag
+        return Readable(bag)
+    indexed = _indexed(bag)
+    if bag.suffix == SUFFIXES[0] and indexed:
+        return Readable(bag)
     file = folder / f"{len([*folder.iterdir()])}.bag"
-    _write(bag, file)
-    return file
+    cut, seconds = _write(bag, file)
+    return Readable(file, () if indexed else (_without_index(bag, cut, seconds),))
+
+
+def _without_index(bag: Path, cut: bool, seconds: float) -> Finding:
+    sentence = (
+        phrase(
+            "bag_cut",
+            "{bag}: the index is missing and the file is cut off: its messages were read one by one, to {seconds} s "
+            "after the first; what was recorded later is lost",
+            bag=str(bag),
+            seconds=f"{seconds:.2f}",
+        )
+        if cut
+        else phrase(
+            "bag_without_index",
+            "{bag}: the index is missing, as where a recorder is stopped hard: its messages were read one by one, to "
+            "{seconds} s after the first",
+            bag=str(bag),
+            seconds=f"{seconds:.2f}",
+        )
+    )
+    return note(Kind.FORMAT, sentence, bag_without_index={"cut": cut, "seconds": seconds})
 
 
 def _indexed(bag: Path) -> bool:
-    with bag.open("rb") as stream:
-        start = stream.read(4096)  # the first record is as long
-    first = next(_records(start[len(_MARK) :]), None) if start.startswith(_MARK) else None
-    return first is None or first.op != _HEADER or any(first.fields.get("index_pos", b"?"))
+    """Whether a bag has all records of the index that its header points to; of another file, whether it has no header
+    that says so.
+    """
+    with bag.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        if content[: len(_MARK)] != _MARK:
+            return True
+        header = next(_records(content, len(_MARK)), None)
+        if header is None or header.op != _HEADER:
+            return True
+        begins, connections, chunks = (
+            int.from_bytes(header.fields.get(key, b""), "little") for key in ("index_pos", "conn_count", "chunk_count")
+        )
+        if not begins:
+            return False
+        index = islice(_records(content, begins), connections + chunks)
+        return sum(1 for _ in index) == connections + chunks
 
 
-def _write(bag: Path, file: Path) -> None:
-    """Writes all messages of a bag, in their order in it, into one with an index."""
+def _write(bag: Path, file: Path) -> tuple[bool, float]:
+    """Writes all messages of a bag, in their order in it, into one with an index.
+
+    Returns:
+        whether the bag ends within a record; time from its first to its last message [s].
+    """
     from rosbags.rosbag1 import Writer
 
-    connections = {}
+    connections, times = {}, list[int]()
     with bag.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as content:
         if content[: len(_MARK)] != _MARK:
             raise ValueError("it is not of version 2.0")
@@ -66,7 +116,9 @@ def _write(bag: Path, file: Path) -> None:
                     )
                 elif op == _MESSAGE and number in connections:
                     seconds, nanoseconds = struct.unpack("<II", fields["time"])
-                    writer.write(connections[number], seconds * 10**9 + nanoseconds, data)
+                    times.append(seconds * 10**9 + nanoseconds)
+                    writer.write(connections[number], times[-1], data)
+        return _end(content) < len(content), 1e-9 * (max(times) - min(times)) if times else 0.0
 
 
 def _unpacked(content: mmap.mmap) -> Iterator[_Record]:
@@ -104,6 +156,14 @@ def _records(content: bytes | mmap.mmap, at: int = 0) -> Iterator[_Record]:
         fields = dict(_fields(named[0]))
         yield _Record(int.from_bytes(fields.get("op", b""), "little"), fields, held[0])
         at = held[1]
+
+
+def _end(content: mmap.mmap) -> int:
+    """Where the last whole record of a bag ends."""
+    at = len(_MARK)
+    while (named := _sized(content, at)) is not None and (held := _sized(content, named[1])) is not None:
+        at = held[1]
+    return at
 
 
 def _fields(header: bytes) -> Iterator[tuple[str, bytes]]:

@@ -58,7 +58,7 @@ class BagTopic:
 
 def bag_topics(bags: Sequence[Path]) -> tuple[BagTopic, ...]:
     """All topics of bags of one run, those that hexcite reads first; raises RecordingError where one cannot be read."""
-    with opened(bags) as reader:
+    with opened(bags) as (reader, _):
         counts: Counter[tuple[str, str]] = Counter()
         for connection in reader.connections:
             counts[connection.topic, connection.msgtype] += connection.msgcount

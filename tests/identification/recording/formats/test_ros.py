@@ -337,6 +337,27 @@ def test_bags_of_a_recorder_that_splits_them_are_one_run(old: bool, bag: Path, t
         assert look(bags, ROBOT).reads
 
 
+@pytest.mark.first(1)
+@pytest.mark.parametrize("packed", [None, Writer1.CompressionFormat.BZ2])
+def test_a_bag_that_was_cut_is_read_up_to_the_cut(packed: Writer1.CompressionFormat | None, tmp_path: Path) -> None:
+    """Its header points to an index that is no longer there, or no longer whole."""
+    whole = write_old(tmp_path / "run.bag", run(), packed)
+    content, samples = whole.read_bytes(), len(read(whole, ROBOT).forces)
+    index = content.index(b"index_pos=") + len("index_pos=")
+    begins = int.from_bytes(content[index : index + 8], "little")
+    cut = tmp_path / "cut.bag"
+    for ends, least, most in ((len(content) - 30, 1.0, 1.0), (begins + 10, 1.0, 1.0), (begins * 7 // 10, 0.2, 0.9)):
+        cut.write_bytes(content[:ends])
+        found = read(cut, ROBOT)
+        told = next(f.quantity["bag_without_index"] for f in found.findings if "bag_without_index" in f.quantity)
+        assert told["cut"]
+        assert least * samples <= len(found.forces) <= most * samples
+        assert told["seconds"] == pytest.approx(len(found.forces) * found.step, abs=0.1)
+    cut.write_bytes(content[: index + 200])
+    with refused_at(cut, "is a damaged bag"):
+        read(cut, ROBOT)
+
+
 def test_bags_of_two_runs_are_not_one(tmp_path: Path) -> None:
     first = [m for m in run() if m[1] < EPOCH + 10**9]
     later = [(t, r + 60 * 10**9, m) for t, r, m in first]
@@ -359,9 +380,14 @@ def test_a_bag_of_ros_1_without_index_is_read_record_by_record(
     active = tmp_path / "run.bag.active"
     active.write_bytes(content[:index] + bytes(8) + content[index + 8 : begins + 20])
     (tmp_path / "RUN.BAG").write_bytes(content)
-    for file in (active, tmp_path / "RUN.BAG"):
-        np.testing.assert_array_equal(read(file, ROBOT).forces, read(whole, ROBOT).forces)
-        assert look(file, ROBOT).problem is None
+    for file, said in ((active, 1), (tmp_path / "RUN.BAG", 0)):
+        found, looked = read(file, ROBOT), look(file, ROBOT)
+        np.testing.assert_array_equal(found.forces, read(whole, ROBOT).forces)
+        assert looked.problem is None
+        told = [f.quantity["bag_without_index"] for f in found.findings if "bag_without_index" in f.quantity]
+        assert len(told) == said
+        assert sum("index is missing" in each for each in looked.repairs) == said
+        assert all(each["cut"] for each in told)
     for damage in (content[:index] + bytes(8) + b"x" * 40, content[:30]):
         active.write_bytes(damage)
         with refused_at(active, "holds no message"):
