@@ -165,7 +165,7 @@ def demo(
         try:
             others.append(way.gone(family, language_of_family, place / family.name))
         except HexciteError as error:
-            left_out.append(f"{family.name}: {error.typed}")
+            left_out.append(f"{family.name}: {error}")
             progress(f"{family.name}: left out, {error}")
     moves = way.gone(PointToPoint(controller=language.name, without=LimitKind.JERK if steps else None), language, place)
     results = [place / each.plan.family / "result" for each in others]
@@ -185,7 +185,7 @@ def without_jerk(plan: Plan) -> str:
     try:
         timed = retime(plan, "toppra", LimitKind.JERK if limited else None)
     except HexciteError as error:
-        return f"{words}: not timed by toppra: {error.typed}"
+        return f"{words}: not timed by toppra: {error}"
     return (
         f"{words} timed by toppra, for a controller that does not limit jerk: {timed.duration:.3g} s, "
         f"D-efficiency {timed.of_motion[1].d_efficiency:.3f} ({before} with its own time)"

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from cases.base.errors import Code, HexciteError, InfeasiblePlan, choice, option
 from cases.base.options import default_of, documented
+from cases.base.phrases import Phrase, phrase
 from cases.schema import Case
 from identification.limits.limit import UNUSED_SHARE, LimitKind
 from identification.limits.proof import PROOF_RATE, prove
@@ -32,6 +33,7 @@ from planner.families.plan_settings import RetimedSettings
 from planner.families.settings import require_plannable_without
 from planner.options import Pace, PaceWithout
 from planner.plans.plan import Plan
+from planner.plans.prediction import Gain
 from planner.plans.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST
 from planner.search.problem import near_limits
@@ -110,7 +112,16 @@ def retime(plan: Plan, method: Pace = default_of(Pace), without: PaceWithout = d
         without=LimitKind.JERK if step_time else None,
     )
     rated = rated_plan(request, case, PlannedMotion(motion, settings, limits), perf_counter() - start)
+    if plan.gain is not None and request.known is None:  # which a plan that was read from its folder has not
+        worth = rated.of_motion[1]
+        rated = replace(rated, worth=replace(worth, notes=(_not_known(plan.gain), *worth.notes)))
     return replace(rated, stale=plan.stale)
+
+
+def _not_known(gain: Gain) -> Phrase:
+    """What a plan does not count that was planned with earlier results."""
+    words = "what was known by {named} is not counted: the plan was read from its folder, which does not hold it"
+    return phrase("known_not_counted", words, named=", ".join(gain.results))
 
 
 HURRY = 10.0  # times its own pace, at most: near its rests a path that rests by itself may be passed at any

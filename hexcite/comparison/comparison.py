@@ -234,14 +234,23 @@ def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale
             remedy="name plans, runs or results, or their folders",
             code=Code.MISSING,
         )
-    folders = [Path(thing).resolve() for thing in things if not isinstance(thing, Plan)]
-    if twice := [folder for folder in folders if folders.count(folder) > 1]:
-        raise HexciteError(
-            place=twice[0], problem="is named twice", remedy="name each folder once", code=Code.CONTRADICTION
-        )
+    identities = [id(thing) if isinstance(thing, Plan) else Path(thing).resolve() for thing in things]
+    if twice := [thing for thing, own in zip(things, identities, strict=True) if identities.count(own) > 1]:
+        place = twice[0].name if isinstance(twice[0], Plan) else Path(twice[0]).resolve()
+        raise HexciteError(place=place, problem="is named twice", remedy="name each once", code=Code.CONTRADICTION)
     with threadpool_limits(limits=1, user_api="blas"):
         entries = [
             entry_of_plan(thing, thing.name) if isinstance(thing, Plan) else read_entry(Path(thing), case, stale)
             for thing in things
         ]
-    return recommend(groups(entries))
+    return recommend(groups(_told_apart(entries)))
+
+
+def _told_apart(entries: Sequence[Entry]) -> list[Entry]:
+    """The same entries, each with a name of its own: plans in memory may have the same, and are numbered then."""
+    names = [entry.name for entry in entries]
+    counts = [names[: k + 1].count(name) for k, name in enumerate(names)]
+    return [
+        replace(entry, name=f"{entry.name} ({count})") if count > 1 else entry
+        for entry, count in zip(entries, counts, strict=True)
+    ]

@@ -30,6 +30,8 @@ PLANS = {
     "Information; Ordnung {order} sucht weniger Unbekannte",
     "whole_periods": "ganze Perioden von {period} s brauchen {taken} s der {duration} s; {more} s hätten Zeit für "
     "eine mehr",
+    "known_not_counted": "was durch {named} bekannt war, zählt nicht mit: Der Plan wurde aus seinem Ordner gelesen, "
+    "der es nicht enthält",
     "jerk_left_out": "gemacht für {controller}, das den Ruck nicht begrenzt: Beschleunigungen springen, und die "
     "Grenzen des Rucks der Maschine ({limits}) sind weggelassen, wie verlangt",
     "with_jerk": "mit begrenztem Ruck brauchen dieselben Bewegungen {seconds} s, mit einer D-Effizienz von "

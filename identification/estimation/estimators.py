@@ -139,7 +139,7 @@ class Method:
             IdentificationError: names that the model does not have, or as the estimator does.
         """
         if self.priors:
-            weights = np.ones(6) if regression.alike is None else per_channel(regression).weights
+            weights = np.ones(6) if regression.alike is None else per_channel(regression.within_span()).weights
             return with_priors(regression, model, weights, self.priors)
         estimator = huber_of if self.weights == "huber" else gauss_markov_of
         return estimate_selected(regression, self.selection(model), estimator)

@@ -72,6 +72,18 @@ class Regression(NamedTuple):
         """What u leaves of the forces, f - A u, shape (n, 6)."""
         return np.asarray(self.forces - self.regressors @ values)
 
+    def within_span(self) -> "Regression":
+        """The same forces by as many unknowns as A determines: residuals are those of u; itself where all are."""
+        root, _, _ = compress(self, np.ones(6))
+        scale = column_scale(root)
+        _, sizes, directions = np.linalg.svd(root * scale)
+        rank = int(np.count_nonzero(sizes > self.forces.size * np.finfo(float).eps * sizes[0]))
+        if rank == len(scale):
+            return self
+        spanning = scale[:, None] * directions[:rank].T
+        names = [f"combination {k}" for k in range(1, rank + 1)]
+        return self._replace(regressors=self.regressors @ spanning, names=names, nuisance=0)
+
     def whitened(self, whitening: Array | None) -> "Regression":
         """Both sides multiplied with the root of W, shape (6, 6); as they are where it is None."""
         if whitening is None:

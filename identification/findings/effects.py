@@ -48,7 +48,7 @@ def _all(run: LeftOut) -> Iterator[Alternative]:
     yield from _of_channels(run)
     yield from _of_frame(run)
     yield from _of_surroundings(run)
-    if run.late is not None:
+    if run.moves:
         yield from _of_clocks(run)
     yield from _of_drives(run)
     yield from _of_motion(run)
@@ -183,7 +183,7 @@ def _of_surroundings(run: LeftOut) -> Iterator[Alternative]:
     if np.ptp(position, axis=0).any():
         follow = phrase("position_along", "the position along {of}", of=OPEN)
         kinds.append(("spring", follow, SPRING, position - position.mean(axis=0)))
-        if run.late is not None:
+        if run.moves:
             cause = phrase("by_damper", "a damper, or a hose that is dragged along")
             kinds.append(("drag", phrase("speed_along", "the speed along {of}", of=OPEN), cause, speed))
             follow = phrase("sign_along", "the sign of the speed along {of}", of=OPEN)
@@ -198,7 +198,7 @@ def _of_surroundings(run: LeftOut) -> Iterator[Alternative]:
 
 
 def _of_clocks(run: LeftOut) -> Iterator[Alternative]:
-    assert run.late is not None
+    assert run.moves
     if not run.motion.by_accelerometer:  # then only the turning goes by the clock
         cause = phrase("stamps_apart", "time stamps that are {size} % too far apart", size=OPEN)
         yield Alternative("clock", _ACCELERATION, cause, run.by_clock[:, :, None], PERCENT)
@@ -262,7 +262,7 @@ def _of_drives(run: LeftOut) -> Iterator[Alternative]:
         cause = phrase("scales_wrong", "a scale of all struts that is wrong by {size} %", size=OPEN)
         yield Alternative("scale", POSE, cause, -gains.sum(axis=2, keepdims=True), PERCENT)
         yield from _of_joints(run)
-    if run.late is not None:
+    if run.moves:
         yield Alternative(
             "friction",
             phrase("drive_signs", "the signs of the drives' speeds"),
@@ -316,7 +316,7 @@ def _of_motion(run: LeftOut) -> Iterator[Alternative]:
     each = _each(phrase("products_of", "products of the position of {of}", of=OPEN), pairs)
     products = in_channels(scaled(place[:, first] * place[:, second]))
     yield Alternative("place", position, BY_PLACE, products, each=each)
-    if run.late is not None:
+    if run.moves:
         speed, acceleration = moving
         of = phrase("speed_of", "the speed of {of}", of=OPEN)
         yield Alternative("speed", _SPEED, BY_RATE, in_channels(speed), each=_each(of, names))

@@ -64,7 +64,7 @@ class LeftOut:
     motion: MotionOfSamples
     values: Array  # u, shape (u,)
     t: Array  # shape (n,) [s]
-    late: Array | None  # how the forces change with the delay, shape (n, 6) [1/s]; None where nothing moves
+    moves: bool  # whether the samples are of a motion, and not of standstills
     step: float  # time between samples [s]
     even: Indices  # samples whose neighbours are a step before and after, shape (m,)
     names: Names
@@ -77,20 +77,19 @@ class LeftOut:
     @classmethod
     def in_use(cls, model: Model, motion: MotionOfSamples, values: Array, beyond: Array, case: Case) -> "LeftOut":
         """A model with its parameters in another motion, at whose samples channels read more than it, shape (n, 6)."""
-        times, lag = np.arange(float(len(beyond))), np.zeros_like(beyond) if motion.drives is not None else None
+        times, moves = np.arange(float(len(beyond))), motion.drives is not None
         none = np.zeros(0, dtype=np.int64)
-        return cls(model, motion, values, times, lag, 1.0, none, Names.of(case), bars=_ends(case), beyond=beyond)
+        return cls(model, motion, values, times, moves, 1.0, none, Names.of(case), bars=_ends(case), beyond=beyond)
 
     @classmethod
     def of(cls, fitted: Fitted, motion: MotionOfSamples, case: Case) -> "LeftOut":
         """What alternatives of a fit are made of."""
         samples = fitted.samples
         even = np.zeros(0, dtype=np.int64)
-        lag, step = None, 1.0
+        step, moves = 1.0, isinstance(samples, MovingSamples)
         if isinstance(samples, MovingSamples):
             close = np.diff(samples.places) == 1
             even, step = 1 + np.flatnonzero(close[1:] & close[:-1]), samples.step
-            lag = fitted.regression.regressors[:, :, -1]
         values = fitted.fit.values[: len(samples.model.names)]
         number = full_model(case) if isinstance(samples, MovingSamples) else static_model(case)
         if motion.by_accelerometer:  # larger models need positions
@@ -100,7 +99,18 @@ class LeftOut:
         more = None if set(larger.names) <= set(samples.model.names) else larger
         names = Names.of(case)
         return cls(
-            samples.model, motion, values, samples.t, lag, step, even, names, samples.scale, more, columns, _ends(case)
+            samples.model,
+            motion,
+            values,
+            samples.t,
+            moves,
+            step,
+            even,
+            names,
+            samples.scale,
+            more,
+            columns,
+            _ends(case),
         )
 
     @property
@@ -252,7 +262,7 @@ class LeftOut:
         still = np.zeros((len(self.t), 6, drives[0].shape[1]))
         place, speed, acceleration = (
             np.stack([self.change(self.motion.moved(*_with(drives, order, k))) for k in range(still.shape[2])], 2)
-            if order == 0 or self.late is not None
+            if order == 0 or self.moves
             else still
             for order in range(3)
         )

@@ -84,11 +84,24 @@ def mode_of(fitted: Fitted) -> Mode | None:
     low, high = np.quantile(amplitude, [0.25, 0.9])
     if high < BURSTS * low:
         return None
+    return followed(float(at[peak]), slow, step)
+
+
+def followed(near: float, slow: Array, step: float) -> Mode | None:
+    """The mode by how its amplitudes turn and decay; None where there are too few samples a second to follow it.
+
+    Args:
+        near: about its frequency [Hz].
+        slow: amplitudes of the channels at that frequency, complex, shape (n, 6).
+        step: time between samples [s].
+    """
     lags = np.arange(1, round(LONGEST / step))
     each = np.array([np.sum(np.conj(slow[:-k]) * slow[k:]) for k in lags])
     early, late = lags * step < LONGEST / 3.0, lags * step > REACH / 2.0
+    if np.count_nonzero(early) < 2 or np.count_nonzero(late) < 2:  # a line takes two
+        return None
     shift = np.polyfit(lags[early] * step, np.unwrap(np.angle(each[early])), 1)[0] / (2.0 * np.pi)
-    frequency = float(at[peak] + shift)
+    frequency = near + float(shift)
     decay = -float(np.polyfit(lags[late] * step, np.log(np.abs(each[late])), 1)[0])
     return Mode(frequency, max(decay, 0.0) / (2.0 * np.pi * frequency))
 

@@ -116,7 +116,7 @@ def effects_of(of: LeftOut, key: str) -> Array:
         effects = of.by_gravity[1][:, :, 1:] if key.endswith("deg") else of.by_gravity[1][:, :, :1]
     elif key == "encoder_scale_ppm" and of.by_drives is not None:
         effects = of.by_scales
-    elif key == "clock_ppm" and of.late is not None:
+    elif key == "clock_ppm" and of.moves:
         effects = of.by_clock[:, :, None]
     return none if effects is None else effects
 

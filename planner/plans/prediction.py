@@ -326,7 +326,7 @@ def _tolerated(
     of_samples = MotionOfSamples(np.ones(len(t), dtype=bool), at.load, at.drives, machine_of(case))
     ends = None if bars is None else (bars.lower.points, bars.upper.points)
     none = np.zeros(0, dtype=np.int64)
-    left_out = LeftOut(model, of_samples, values, t, late, 1.0, none, Names.of(case), bars=ends)
+    left_out = LeftOut(model, of_samples, values, t, late is not None, 1.0, none, Names.of(case), bars=ends)
     root = np.eye(6) if expected.whitening is None else expected.whitening
     channels = root @ expected.channels @ root.T / expected.sensors**2
     columns = left_out.matrices if late is None else np.concatenate([left_out.matrices, late[:, :, None]], axis=2)

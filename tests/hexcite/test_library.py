@@ -18,11 +18,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hexcite as hx
-from cases.base.errors import HexciteError
+from cases.base.errors import Code, HexciteError
+from cases.base.phrases import said
 from cases.schema import Case
 from identification.limits.limit import Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status
 from planner.families.settings import FAMILIES
 from planner.plans.plan import Plan
+from planner.plans.prediction import Gain
 from planner.request import METHODS, PoseRequest, Request
 from planner.search import parallel
 from tests.helpers import one_line, tells
@@ -246,6 +248,27 @@ def test_a_search_needs_a_process(hexapod_case: Case):
 
 
 @pytest.mark.repeats
+def test_plans_of_one_name_are_told_apart_and_one_plan_is_named_once(by_hand: Plan) -> None:
+    """Ratios are by name: that of one would hide that of the other."""
+    slower = replace(by_hand, solve_s=by_hand.solve_s + 1.0)
+    compared = hx.compare([by_hand, slower])
+    names = [entry.name for entry in compared.entries]
+    assert names == [by_hand.name, f"{by_hand.name} (2)"]
+    assert compared.ratios.keys() == {*names}
+    with pytest.raises(HexciteError) as caught:
+        hx.compare([by_hand, by_hand])
+    assert (caught.value.code, caught.value.place) == (Code.CONTRADICTION, by_hand.name)
+
+
+def test_a_plan_that_has_lost_what_was_known_says_so_at_another_pace(by_hand: Plan) -> None:
+    known = replace(by_hand, gain=Gain(("earlier",), {"m": 0.01}, by_hand.promise))
+    retimed = hx.retime(known)
+    assert retimed.gain is None
+    notes = [each for each in map(said, retimed.of_motion[1].notes) if each.code == "known_not_counted"]
+    assert [each.values["named"] for each in notes] == ["earlier"]
+    assert "known_not_counted" not in {said(each).code for each in hx.retime(by_hand).of_motion[1].notes}
+
+
 def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_case: Case):
     result = hx.Result.load(folder / "result")
     program = hx.Program.load(folder / "run.mpf", hexapod_case)

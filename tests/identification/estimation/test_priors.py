@@ -5,6 +5,7 @@ import pytest
 
 from cases.base.errors import IdentificationError
 from identification.estimation import priors as solver
+from identification.estimation.estimators import EACH, Method, per_channel
 from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
 from identification.estimation.priors import Prior, as_measurements, conflict_of, with_priors
 from tests.helpers import few, one_line, paper_poses, taylor_slope
@@ -184,3 +185,25 @@ def test_priors_that_cannot_be_used_are_said_in_a_line(priors: list[Prior], mess
     with pytest.raises(IdentificationError, match=message) as caught:
         with_priors(Regression(A, forces(0), NAMES), MODEL, ONES, priors)
     one_line(caught.value)
+
+
+def test_channels_are_weighed_where_only_priors_determine_all_parameters() -> None:
+    """A run that stands determines no inertia: weights follow from its residuals, the inertia from the priors."""
+    noise = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 20.0])
+    measured = STATIC @ U + np.random.default_rng(3).normal(size=(len(STATIC), 6)) * noise
+    regression = Regression(STATIC, measured, NAMES, alike=EACH)
+    with pytest.raises(IdentificationError):
+        per_channel(regression)
+    fit = Method(priors=tuple(CAD)).estimate(regression, MODEL)
+    ratios = fit.weights[5] / fit.weights[:5]
+    assert np.all((ratios > 0.25 / 400.0) & (ratios < 4.0 / 400.0))
+    spanned = regression.within_span()
+    assert spanned.regressors.shape[2] < STATIC.shape[2]
+    exact = np.linalg.lstsq(STATIC.reshape(-1, STATIC.shape[2]), measured.ravel(), rcond=1e-12)[0]
+    left = np.linalg.lstsq(spanned.regressors.reshape(-1, spanned.regressors.shape[2]), measured.ravel())[0]
+    np.testing.assert_allclose(spanned.residuals(left), regression.residuals(exact), atol=1e-6)
+
+
+def test_weights_of_a_run_that_determines_all_are_as_without_priors() -> None:
+    regression = Regression(A, forces(0), NAMES, alike=EACH)
+    assert regression.within_span() is regression

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from identification.findings.left_out import LeftOut
 from identification.findings.remains import free_basis, remainder_of
-from identification.findings.structural_mode import Mode, biased_by, mode_of, sharpened
+from identification.findings.structural_mode import Mode, biased_by, followed, mode_of, sharpened
 from identification.fitting import fitted_run
 from identification.identify import default_model, estimate_parameters
 from identification.model.model import identification_model
@@ -71,6 +71,16 @@ def test_a_run_whose_noise_remembers_has_none() -> None:
     run = recorded(of, Moves(of, 5, 4.0), 5, Noise(0.5, 0.05, 0.8))
     model = identification_model(of.case, default_model(run, of.case))
     assert mode_of(fitted_run(run, of.case, model, GAUSS_MARKOV).fitted) is None
+
+
+@pytest.mark.parametrize(("rate", "seen"), [(500.0, True), (100.0, True), (40.0, False), (20.0, False)])
+def test_a_mode_is_followed_where_there_are_lags_enough(rate: float, seen: bool) -> None:
+    """At 40 samples a second the time in which a mode turns is one step, through which no line leads."""
+    t = np.arange(0.0, 4.0, 1.0 / rate)
+    slow = np.exp((-0.5 + 2j * np.pi * 0.7) * t)[:, None] * np.ones(6)
+    mode = followed(12.0, slow, 1.0 / rate)
+    assert (mode is not None) == seen
+    assert mode is None or mode.frequency == pytest.approx(12.7, abs=0.02)
 
 
 def test_an_estimate_is_off_by_what_the_mode_is_said_to_do() -> None:
