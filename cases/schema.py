@@ -706,8 +706,7 @@ class Case(Heading):
             others = [name for name in ControllerName if getattr(self.controller, name, None) is not None]
             for_case = phrase(
                 "for_own_controller",
-                "for the case's own controller write {option} {others}, or ",
-                option=option("dialect"),
+                "choose the case's own controller, {others}, or ",
                 others=enumerated("or", others),
             )
             raise CaseError(

@@ -170,7 +170,7 @@ ERRORS = {
     "state_flange": "{purpose} zählt vom Flansch des Roboters aus: angeben, wo er in {of} liegt, etwa "
     "flange = {{ origin_mm = [0.0, 0.0, {z}] }}",
     "last_joints_frame": "dem bewegten Koordinatensystem des letzten Gelenks, wie machine.chain.sensor für {{P}}",
-    "for_own_controller": "für die eigene Steuerung der Maschine mit {option} {others} schreiben, oder ",
+    "for_own_controller": "die eigene Steuerung der Maschine wählen, {others}, oder ",
     "settings_missing": "fehlt",
     "add_settings": "der Dialekt {dialect} braucht sie: {for_case}die Tabelle in der Maschine ergänzen, siehe "
     "cases/{example}/case.toml",

@@ -71,7 +71,7 @@ def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
     case.write_text(text[:start] + text[end:], encoding="utf-8")
     line = refused("check", written(TWINCAT, tmp_path, "nc"), "--case", case)
     assert tells(line, "controller.twincat: ", "missing", "add the table")
-    assert tells(line, "--dialect linuxcnc or sinumerik or setpoints")  # what the case has
+    assert tells(line, "linuxcnc or sinumerik or setpoints")  # what the case has
 
 
 @pytest.mark.parametrize(
