@@ -98,7 +98,7 @@ def identify(
         evaluation = Asked(model, how, average_standstills, poses, treatment)
         result = _identified(recording, whole, case, evaluation, differences)
     except (IdentificationError, RecordingError) as error:
-        raise error.beside(sentences(differences, "warning")) from error
+        raise error.beside((*_other_case(recording, case), *sentences(differences, "warning"))) from error
     if comparison is None or comparison.share < ANOTHER or result.estimate is None:
         return result
     return replace(result, estimate=replace(result.estimate, planned=(comparison.plan.motion, comparison.begins)))
@@ -131,12 +131,7 @@ def _identified(
     number = default_model(run, case) if asked.model is None else asked.model
     method = asked.method(case, number)
     about = recording.record or RunRecord()
-    try:
-        estimate = estimate_parameters(run, case, number, method, asked.treatment)
-    except (IdentificationError, RecordingError) as error:
-        if about.case not in (None, case.name):
-            raise error.beside((f"it was recorded with the case {about.case}, not {case.name}",)) from error
-        raise
+    estimate = estimate_parameters(run, case, number, method, asked.treatment)
     estimate = replace(estimate, findings=(*_changes_of_case(recording, case), *differences, *estimate.findings))
     files, treatment = files_of(run.paths), asked.treatment
     optional = {
@@ -157,6 +152,12 @@ def _identified(
         **{key: entry for key, entry in optional.items() if entry is not None},
     )
     return Result(case, record, estimate).beside_physical()
+
+
+def _other_case(recording: Recording, case: Case) -> tuple[str, ...]:
+    """That it was recorded with another case, which may be why it cannot be evaluated."""
+    about = recording.record or RunRecord()
+    return () if about.case in (None, case.name) else (f"it was recorded with the case {about.case}, not {case.name}",)
 
 
 def _changes_of_case(recording: Recording, case: Case) -> tuple[Finding, ...]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.base.errors import IdentificationError
+from cases.base.errors import IdentificationError, RecordingError
 from cases.basis import COMPUTED_FROM, recording_basis
 from cases.schema import Case
 from cases.tables import built_in_cases
@@ -37,7 +37,7 @@ def test_a_recording_of_another_case_is_named_as_such() -> None:
     with pytest.raises(IdentificationError, match="case other, not wide"):
         identify(replace(run(), record={"case": "other"}), wide)
     weak = Case.model_validate(data | {"name": "weak", "sensors": data["sensors"] | {"range_N": 1.0}})
-    with pytest.raises(IdentificationError, match="case other, not weak"):
+    with pytest.raises(RecordingError, match="case other, not weak"):
         identify(replace(run(), record={"case": "other"}), weak)
 
 
