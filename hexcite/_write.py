@@ -101,7 +101,7 @@ def write(
     program = proven_program(plan.motion, plan.case, language, path, (*header, *leaving_out(without)), speed, accepted)
     if ini is not None:
         require_ini(program, plan.case, ini)
-    return replace(program, remarks=tuple(plan.stale))
+    return replace(program, remarks=(*program.remarks, *plan.stale))
 
 
 def _follows(plan: Plan, language: Dialect) -> bool:

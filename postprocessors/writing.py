@@ -1,15 +1,17 @@
 """From a planned motion to a program's text that has been read back and proven; this module returns nothing else."""
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from cases.base.errors import Code, ProgramError
+from cases.base.phrases import phrase
 from cases.base.units import DEG, MM
 from cases.schema import Case
-from identification.limits.limit import UNUSED_SHARE, LimitKind
+from identification.limits.limit import NAMED, UNUSED_SHARE, LimitKind
 from identification.limits.proof import FORCE_RATE, mechanical_pace, slowed_for_forces
 from identification.motion.curves import PolynomialMotion
 from identification.motion.motion import Array, Joined, Standstill, Trajectory
@@ -52,8 +54,44 @@ def proven_program(
         CaseError: the case has no machine or no controller.
     """
     path = Path(file)
-    promised = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case)
     named = case if speed == 1.0 else case.named_slow()
+
+    def read_back(slower: float) -> _ReadBack:
+        return _read_back(trajectory, case, dialect, path, header, speed * slower, named)
+
+    made = read_back(1.0)
+    made, slowed = _slowed(made, read_back) if made.proof.violations else (made, ())
+    program, reading, guarantees, proof = made
+    proof.require_accepted(accepted)
+    if dialect.same is None:
+        _require_same(program, reading, guarantees)
+    else:
+        dialect.same(program, reading, case)
+    findings = (*_findings(proof), *slowed, *override_remarks(reading, guarantees))
+    content = dialect.form(dialect.write((*header, *findings, *program), named), path.suffix.lower(), case)
+    again = dialect.read(content, str(path), case)
+    if not _same_stretches(again, reading):
+        raise ProgramError(
+            file=path, problem="the header changes how the program reads", remedy="report this", code=Code.INTERNAL
+        )
+    proven = replace(proof, remarks=tuple(remarks(again, guarantees))).at_lines(_moved_lines(reading, again))
+    return Program(path, dialect, content, again, guarantees, case, remarks=slowed, proven=proven)
+
+
+class _ReadBack(NamedTuple):
+    """A motion as blocks, and what is read back from them."""
+
+    program: Blocks
+    reading: Reading
+    guarantees: Guarantees
+    proof: ProgramProof
+
+
+def _read_back(
+    trajectory: Trajectory, case: Case, dialect: Dialect, path: Path, header: tuple[str, ...], speed: float, named: Case
+) -> _ReadBack:
+    """Writes a program, reads it back and proves it; `named` is the case with the program's names."""
+    promised = dialect.guarantees(Reading(file=str(path), stretches=(), blocks=0), case)
     blocks = excitation_program(trajectory, case, speed, promised)
     program = _without_nothing(dialect.prepare(blocks, case), promised.resolution, case)
     written = dialect.write((*header, *program), named)
@@ -68,21 +106,53 @@ def proven_program(
         )
     reading = dialect.read(text, str(path), case)
     guarantees = replace(dialect.guarantees(reading, case), without=left_out(text))
-    proof = prove_program(reading, guarantees)
-    proof.require_accepted(accepted)
-    if dialect.same is None:
-        _require_same(program, reading, guarantees)
-    else:
-        dialect.same(program, reading, case)
-    findings = (*_findings(proof), *override_remarks(reading, guarantees))
-    content = dialect.form(dialect.write((*header, *findings, *program), named), path.suffix.lower(), case)
-    again = dialect.read(content, str(path), case)
-    if not _same_stretches(again, reading):
-        raise ProgramError(
-            file=path, problem="the header changes how the program reads", remedy="report this", code=Code.INTERNAL
+    return _ReadBack(program, reading, guarantees, prove_program(reading, guarantees))
+
+
+LONGER = 0.01  # share of its duration by which an excitation may last longer, so that its own points keep limits
+INSIDE = 1e-5  # share of a limit that is left then
+TRIES = 3
+ORDERS = {
+    LimitKind.VELOCITY: 1, LimitKind.STRUT_VELOCITY: 1, LimitKind.ACCELERATION: 2, LimitKind.STRUT_ACCELERATION: 2,
+    LimitKind.JERK: 3,
+}  # fmt: skip
+"""Powers of a motion's speed with which limited quantities grow."""
+
+
+def _slowed(first: _ReadBack, read_back: Callable[[float], _ReadBack]) -> tuple[_ReadBack, tuple[str, ...]]:
+    """A program that is slower by so little as its own points need, and the remark on that; else the first one.
+
+    A controller goes through the points of a path as it does, which differs from the plan between them: where jerk
+    steps in a plan that uses all of its limit, by up to a percent.
+    """
+    made, share = first, 1.0
+    for _ in range(TRIES):
+        orders = [ORDERS.get(check.kind.family) for check in made.proof.violations]
+        if None in orders:
+            return first, ()
+        share *= min(
+            ((1.0 - INSIDE) / check.ratio) ** (1.0 / order)
+            for check, order in zip(made.proof.violations, orders, strict=True)
+            if order is not None
         )
-    proven = replace(proof, remarks=tuple(remarks(again, guarantees))).at_lines(_moved_lines(reading, again))
-    return Program(path, dialect, content, again, guarantees, case, proven=proven)
+        if share * (1.0 + LONGER) < 1.0:
+            return first, ()
+        made = read_back(share)
+        longer = made.proof.excitation / first.proof.excitation - 1.0  # controllers round to cycles of theirs
+        if longer > LONGER:
+            return first, ()
+        if not made.proof.violations:
+            worst = first.proof.violations[0]
+            remark = phrase(
+                "slowed_for_points",
+                "{share} % slower than planned: at the plan's speed its points would take {limit} to {ratio} % of its "
+                "limit",
+                share=f"{100.0 * longer:.2g}",
+                limit=phrase(NAMED, "{name}", name=worst.name),
+                ratio=f"{100.0 * worst.ratio:.2f}",
+            )
+            return made, (remark,)
+    return first, ()
 
 
 def _without_nothing(program: Blocks, resolution: float, case: Case) -> Blocks:

@@ -138,6 +138,8 @@ MACHINE = {
 
 PROGRAMS = {
     "override_faster": "Ein Vorschub-Override über 100 % macht es schneller, als bewiesen ist; {remedy}",
+    "slowed_for_points": "{share} % langsamer als geplant: Mit der Geschwindigkeit des Plans würde {limit} durch seine "
+    "Punkte {ratio} % der Grenze erreichen",
     "override_linuxcnc": "M50 P0 vor die erste Bewegung schreiben, oder den Knopf bei 100 % enden lassen "
     "(MAX_FEED_OVERRIDE = 1)",
     "override_sinumerik": "höchstens 100 % lassen, oder den Knopf dort enden lassen (MD12030)",

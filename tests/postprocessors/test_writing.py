@@ -2,24 +2,25 @@
 
 import re
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from cases.base.errors import HexciteError, ProgramError
+from cases.base.errors import HexciteError, NotProven, ProgramError
 from cases.controller import SINUMERIK_NAME
 from cases.schema import Case
 from identification.limits.limit import LimitKind
 from identification.limits.proof import prove
-from identification.motion.curves import FourierMotion
+from identification.motion.curves import FourierMotion, PolynomialMotion
 from identification.motion.motion import Trajectory
-from identification.motion.moves import StraightMove
+from identification.motion.moves import StraightMove, unit_profile
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import TimedPath
 from postprocessors.program import dialect, dialect_of_file
 from postprocessors.reading import Timed
-from postprocessors.writing import APPROACH_SHARE, excitation_program, proven_program
-from tests.helpers import one_line
+from postprocessors.writing import APPROACH_SHARE, LONGER, excitation_program, proven_program
+from tests.helpers import one_line, polynomials_of, tells
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import proof as reproof
 from tests.postprocessors.programs import read_linuxcnc
@@ -50,6 +51,28 @@ def test_the_text_of_a_motion_within_the_limits_comes_with_its_proof(motion: Fou
     again = reproof(text, hexapod_case)
     assert again.limits == proof.limits
     assert proof.excitation == pytest.approx(1.0)
+
+
+def up_and_down(case: Case, share: float) -> PolynomialMotion:
+    """In z and back, with jerks that step between a share of both limits every 30 ms."""
+    assert case.limits is not None
+    home, way, length = case.machine.home.vector, np.zeros(6), 0.03
+    way[2] = 2.0 * share * case.limits.motion.jerk[2] * length**3
+    ends = (home, home + way, home)
+    return polynomials_of([StraightMove(a, b, unit_profile(length, 0.0, 0.0)) for a, b in pairwise(ends)])
+
+
+@pytest.mark.parametrize("file", ["p.nc", "p.mpf"])
+def test_points_that_just_exceed_a_limit_are_passed_by_so_much_slower(file: str, hexapod_case: Case):
+    language, motion = dialect_of_file(file), up_and_down(hexapod_case, 1.006)
+    program = proven_program(motion, hexapod_case, language, file, (), 1.0, ACCEPTED)
+    assert program.proof.ok
+    assert 1.0 + 0.006 / 3 - 1e-4 < program.proof.excitation / motion.duration <= 1.0 + LONGER
+    [remark] = program.remarks
+    assert tells(remark, "% slower", "jerk (z)", "100.6")
+    assert tells(program.text, "% slower than planned")
+    with pytest.raises(NotProven, match=r"jerk \(z\) reaches .*104"):
+        proven_program(up_and_down(hexapod_case, 1.04), hexapod_case, language, file, (), 1.0, ACCEPTED)
 
 
 def test_a_motion_that_breaks_a_limit_is_not_written_and_the_limit_is_named(motion: FourierMotion, hexapod_case: Case):
