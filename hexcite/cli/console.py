@@ -1,6 +1,7 @@
 """What commands print: one JSON object, or tables for people; progress goes to stderr, and only to a terminal."""
 
 import json
+import logging
 import math
 import sys
 import time
@@ -105,6 +106,30 @@ def status(text: str, quiet: bool) -> Iterator[Callable[[object], None]]:
             print(legible(f"{text}: {remark}"), file=sys.stderr, flush=True)
 
     yield report
+
+
+@contextmanager
+def causes_followed(remark: Callable[[object], None], as_json: bool = False) -> Iterator[None]:
+    """Inside, steps of a search for causes are remarks, or JSON objects on stderr, one a line."""
+    from identification.findings.causes.steps import SEARCHING, Standing
+
+    class Handler(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            standing: Standing = vars(record)["standing"]
+            if not as_json:
+                remark(standing.line)
+                return
+            with suppress(OSError):  # whoever listened has gone: that ends no search
+                print(json.dumps(standing.to_json()), file=sys.stderr, flush=True)
+
+    handler, before = Handler(), SEARCHING.level
+    SEARCHING.addHandler(handler)
+    SEARCHING.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        SEARCHING.removeHandler(handler)
+        SEARCHING.setLevel(before)
 
 
 def as_lines() -> "Callable[[Standing], None]":

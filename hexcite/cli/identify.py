@@ -86,6 +86,10 @@ def identify(
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
+    progress: Annotated[
+        bool,
+        option("With --json: say on stderr what a search for a cause tries, a JSON object a line.", "--progress"),
+    ] = False,
     **options: Any,
 ) -> None:
     """Identify parameters from a recorded run.
@@ -104,7 +108,11 @@ def identify(
         _require_runs(recordings, model, options["priors"])
     folder = output_place(output, Path("pooled" if runs else f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
-    with console.remedies(json), console.status("identifying", json):
+    with (
+        console.remedies(json),
+        console.status("identifying", json) as remark,
+        console.causes_followed(remark, json and progress),
+    ):
         treatment = treatment_of(**{field.name: options.pop(field.name) for field in fields(TreatmentOptions)})
         own_case = None if case is None else hx.load_case(case)
         named = None if plan is None else hx.Plan.load(plan, own_case, stale=True)

@@ -116,4 +116,4 @@ def look(machine: Machine, recording: Sequence[str], picture: str, write: bool =
 
 def identify(machine: Machine, recording: Sequence[str], output: str) -> list[str]:
     """`hexcite identify`."""
-    return ["identify", *map(place, recording), "--case", machine.argument, "-o", output]
+    return ["identify", *map(place, recording), "--case", machine.argument, "-o", output, "--progress"]

@@ -176,7 +176,12 @@ class Words:
         return escape(words.format(**places))
 
     def progress(self, standing: Mapping[str, Any]) -> Markup:
-        """How far a search is."""
+        """How far a search is, that for a motion or that for a cause."""
+        if not self._own and "step" in standing:
+            words = text(f"step_{standing['step']}", self.language)
+            left = standing.get("left_s")
+            rest = "" if left is None else text("causes_left", self.language, seconds=f"{float(left):.0f}")
+            return escape(", ".join(filter(None, (words, rest))))
         if self._own or "done" not in standing:
             return self.quoted(standing.get("line", ""))
         parts = []

@@ -42,11 +42,27 @@ TEXTS: dict[str, tuple[str, str]] = {
     "stopping": ("is ending", "wird beendet"),
     "done": ("done", "fertig"),
     "failed": ("not done", "nicht ausgeführt"),
+    "causes_left": ("about {seconds} s left at most", "höchstens noch rund {seconds} s"),
+    "step_readings": ("other readings of the file are tried", "andere Lesarten der Datei werden versucht"),
+    "step_one": ("one mistake is tried at a time", "ein Fehler nach dem anderen wird versucht"),
+    "step_read": (
+        "one mistake is tried beside another reading",
+        "ein Fehler neben einer anderen Lesart wird versucht",
+    ),
+    "step_two": ("two mistakes are tried at once", "zwei Fehler zugleich werden versucht"),
+    "step_sizes": (
+        "mistakes of any size are tried beside others",
+        "Fehler jeder Größe werden neben anderen versucht",
+    ),
+    "step_several": (
+        "several channels are tried beside one mistake",
+        "mehrere Kanäle werden neben einem Fehler versucht",
+    ),
+    "step_settling": ("sizes are found beside each other", "Größen werden nebeneinander bestimmt"),
+    "step_whole": ("the remedy is tried on the whole run", "die Abhilfe wird am ganzen Lauf versucht"),
     "causes_tried": (
-        "Residuals that are far above the noise have a cause: exchanged channels, units, clocks, dimensions are tried "
-        "one after the other, which takes up to a minute.",
-        "Residuen weit über dem Rauschen haben eine Ursache: Vertauschte Kanäle, Einheiten, Uhren, Maße werden "
-        "nacheinander versucht; das dauert bis zu einer Minute.",
+        "Reading and fitting; where residuals are far above the noise, causes are then tried one after the other.",
+        "Lesen und Anpassen; liegen Residuen weit über dem Rauschen, werden danach Ursachen nacheinander versucht.",
     ),
     "refused_before": (
         "The machine was changed since; this was said of it before",

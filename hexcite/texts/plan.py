@@ -64,10 +64,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "efficiency_note": (
         "The search makes the information on all parameters together as large as it can. 1 is a bound that no motion "
         "reaches; what is usual depends on the machine (0.1 to 0.7): compare with the motion by hand. Where one "
-        "parameter counts, such as the mass, state the accuracy wanted above.",
+        "parameter counts, such as the mass, search with the accuracy wanted.",
         "Die Suche macht die Information über alle Parameter zusammen so groß, wie sie kann. 1 ist eine Schranke, die "
         "keine Bewegung erreicht; was üblich ist, hängt von der Maschine ab (0.1 bis 0.7): mit der Bewegung von Hand "
-        "vergleichen. Zählt ein Parameter, etwa die Masse, oben die gewünschte Genauigkeit angeben.",
+        "vergleichen. Zählt ein Parameter, etwa die Masse, mit der gewünschten Genauigkeit suchen.",
     ),
     "best_note": (
         "The smallest deviation of each row is bold. A motion with more information in all may measure a single "

@@ -8,8 +8,10 @@ function lost(is) {
 
 function go(address) {
   const target = new URL(address, location.href);
-  if (target.pathname + target.search === location.pathname + location.search) location.reload();
-  else location.assign(target);
+  if (target.pathname + target.search === location.pathname + location.search) {
+    if (target.hash) location.hash = target.hash; // where what has come is shown
+    location.reload();
+  } else location.assign(target);
 }
 
 let toldLast = "", toldAt = 0;

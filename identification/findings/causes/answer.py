@@ -28,6 +28,7 @@ from identification.findings.causes.hypothesis import (
 from identification.findings.causes.instants import instants_of
 from identification.findings.causes.remedies import Deviations, Path, Places, keys_to_write, numbers_of, remedy
 from identification.findings.causes.search import Search, search
+from identification.findings.causes.steps import Following, Step
 from identification.findings.causes.tables_of_files import as_one_table, places_in_tables
 from identification.machines.hexapod import Hexapod
 from identification.machines.of_case import machine_of
@@ -93,9 +94,12 @@ def answer(recording: Recording, case: Case, model: Model, evaluate: Evaluate, f
     clean = recording
     with suppress(HexciteError):
         clean = scan(recording, case).recording
-    explanation = search(clean, case, model, fit)
+    following = Following()
+    explanation = search(clean, case, model, fit, following)
     if explanation is None or explanation.sound:
         return None
+    if explanation.explanations:
+        following.at(Step.WHOLE)
     causes = causes_of(explanation, recording, case, model, evaluate)
     if causes:
         return Answer(

@@ -40,6 +40,7 @@ from identification.findings.causes.instants import Instants, instants_of
 from identification.findings.causes.lateness import late_forces
 from identification.findings.causes.leaps import leaps_of
 from identification.findings.causes.readings import of_recording
+from identification.findings.causes.steps import Following, Step
 from identification.findings.causes.trials import closing, moments_about, tried
 from identification.model.model import Model
 from identification.recording.recording import Recording
@@ -75,7 +76,9 @@ class Search:
         return self.recorded is not None and not self.explanations and is_noise(self.recorded)
 
 
-def search(recording: Recording, case: Case, model: Model, fit: Fit | None = None) -> Search | None:
+def search(
+    recording: Recording, case: Case, model: Model, fit: Fit | None = None, following: Following | None = None
+) -> Search | None:
     """What explains a run, one hypothesis or two; None where nothing can be tried on it.
 
     Args:
@@ -83,7 +86,9 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
         case: the case that it was read with.
         model: model that its forces are compared with.
         fit: the fit to it, where there is one; a run whose residuals are near its noise needs no explanation.
+        following: tells where it stands; by default one that begins now.
     """
+    following = following or Following()
     if case.setup == "1a":  # nothing moves: offsets explain every run
         return None
     base = _instants(recording, case, model)
@@ -94,6 +99,7 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
             recorded = replace(recorded, residuals=min(of_fit, recorded.residuals))
         if is_noise(recorded):
             return Search(recorded, (), None, ())
+    following.at(Step.READINGS)
     readings: list[tuple[Trial, Instants]] = []
     late = None if base is None else late_forces(base, recording, case, hypotheses_of(base).changes)
     for reading in (*of_recording(recording, case), *([] if late is None else [late])):
@@ -106,18 +112,21 @@ def search(recording: Recording, case: Case, model: Model, fit: Fit | None = Non
     worth = PROMISING * most_left(np.inf if recorded is None else recorded.residuals)
     entries = [_alone(instants, trial) for trial, instants in readings]
     if base is not None and recorded is not None:
+        following.at(Step.ONE)
         entries += _singles(base, AS_RECORDED, worth)
         entries += _leaps(base, recorded, recording, case, model)
         families |= {hypothesis.family for entry in entries for hypothesis in entry.trial} | _tried_alone(base)
     explained = explanations(entries, recorded)
     pairs = may_hide_another(explained[0]) if explained else may_be_two(entries, recorded)
     if pairs:
+        following.at(Step.READ)
         for trial, instants in sorted(readings, key=lambda reading: _promise(reading[1], reading[0]))[:READINGS]:
             entries += _singles(instants, trial, worth)
         if base is not None:
-            entries += _pairs(base, entries, worth)
+            entries += _pairs(base, entries, worth, following)
         explained = explanations(entries, recorded)
         if explained:
+            following.at(Step.SETTLING)
             found = [_settled(entry) for entry in _with_sizes(entries)]
             entries += [*found, *(plain for entry in found for plain in _without_a_size(entry))]
             explained = explanations(entries, recorded, SURER)
@@ -275,8 +284,9 @@ def _sized(instants: Instants, coarse: Instants, prefix: Trial, worth: float) ->
     return refined(instants, coarse, families, prefix, worth)
 
 
-def _pairs(instants: Instants, singles: Sequence[Tried], worth: float) -> list[Tried]:
+def _pairs(instants: Instants, singles: Sequence[Tried], worth: float, following: Following) -> list[Tried]:
     """Two hypotheses at once: the product of the elementary ones, and each size with those that leave least alone."""
+    following.at(Step.TWO)
     tables, coarse = hypotheses_of(instants), instants.part(COARSE_PAIRS)
     rows = [hypothesis for hypothesis in tables.changes if not hypothesis.single]
     columns = [hypothesis for hypothesis in (*tables.bars, *tables.forces) if not hypothesis.single]
@@ -291,9 +301,11 @@ def _pairs(instants: Instants, singles: Sequence[Tried], worth: float) -> list[T
     on_all = _on_all(instants, best)
     if min((entry.residuals for entry in on_all), default=np.inf) <= CLEAN:
         return on_all
+    following.at(Step.SIZES)
     on_all += _on_all(instants, _beside_sizes(instants, coarse, closed, columns, worth))
     if min((entry.residuals for entry in on_all), default=np.inf) <= CLEAN:
         return on_all
+    following.at(Step.SEVERAL)
     on_all += _on_all(instants, _beside_several(coarse, closed, tables, worth))
     if min((entry.residuals for entry in on_all), default=np.inf) <= CLEAN:
         return on_all
