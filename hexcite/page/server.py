@@ -39,7 +39,7 @@ from hexcite.texts.decimals import page_with_commas
 MOST_REPORT = 2**26  # bytes of a report that is translated: ours have 2 MB
 STATIC = {"page.css": "text/css", "page.js": "text/javascript"}
 POLITE = 0.02  # [s] between looks at whether a page is being answered
-UNASKED = 3.0  # [s] without a page being asked for, after which stages are prepared
+UNASKED = 0.2  # [s] without a page being asked for, while a browser starts, after which stages are prepared
 EVERY = 2.0  # [s] after which a stream shows the clock again
 DOWNLOADS = (
     RECORDINGS
@@ -146,7 +146,8 @@ class _Page:
         self.templates.filters["quoted"] = lambda name: quote(str(name), safe="")
 
     async def warmed(self) -> None:
-        """Imports what stages need, once a first page is out: it does not share the processor with that."""
+        """Imports what stages need: once a first page is out, with which it does not share the processor, or while the
+        browser starts."""
         with suppress(TimeoutError):
             async with asyncio.timeout(UNASKED):
                 await self.answered.wait()

@@ -60,6 +60,9 @@ def stage(context: Context, name: str, query: Mapping[str, str], language: Langu
     return {"machine": context.machine, "address": context.address, "states": states, "there": folder, **values}
 
 
+HEAVY = ("scipy.linalg", "casadi", "scipy.spatial.transform", "scipy.optimize", "identification.results.verdicts")
+"""What the stages Result and Use need, in pieces that each hold up an answer for a short time only."""
+
 LATE = (
     "hexcite.page.actions.table", "hexcite.reports.plan", "planner.plans.plan",
     "identification.results.frames", "postprocessors.export.targets", "postprocessors.controllers.linuxcnc.session",
@@ -70,6 +73,9 @@ LATE = (
 
 def warm_up() -> Iterator[None]:
     """Imports and reads what stages take long for when they first need it, a little at each step."""
+    for name in HEAVY:
+        import_module(name)
+        yield
     for name in STAGES:
         import_module(f"{__name__}.{name}")
         yield
