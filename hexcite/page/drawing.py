@@ -15,6 +15,7 @@ from hexcite.reports.drawing.scene import box_outlines, room
 from identification.motion.motion import Array
 
 WIDTH, HEIGHT, EDGE = 340.0, 270.0, 30.0  # of a drawing, and free at its sides
+ROWS = 4  # of texts above or below a point, where nearer ones are taken
 LETTER, LINE = 7.7, 13.0  # of its texts: width of a letter, roughly, and height
 _CLASSES = {
     "base": "base",
@@ -92,15 +93,17 @@ def _drawn(groups: Mapping[str, Sequence[Array]], labels: Labels, near: float, a
 
 
 def _beside(labels: Labels) -> Labels:
-    """The labels where their texts begin: each at a side of its point where no earlier one stands, if there is one."""
+    """The labels where their texts begin: each as near to its point as no earlier one stands, if there is such a place."""
     labels_at: Labels = []
     for (x, y), text in labels:
         wide = LETTER * len(text)
-        sides = [np.array([x + across, y + up]) for up in (-4.0, 13.0) for across in (4.0, -4.0 - wide)]
+        heights = [up for far in range(ROWS) for up in (-4.0 - LINE * far, 13.0 + LINE * far)]
+        sides = [np.array([x + across, y + up]) for up in heights for across in (4.0, -4.0 - wide)]
         free = (
             side
             for side in sides
             if 0.0 < side[0] < WIDTH - wide
+            and LINE < side[1] < HEIGHT - 2.0 * LINE  # below them stands the scale
             and not any(
                 -LETTER * len(other) < there[0] - side[0] < wide and abs(there[1] - side[1]) < LINE
                 for there, other in labels_at

@@ -88,7 +88,7 @@ def chain_outline(chain: Chain) -> tuple[Lines, Labels, tuple[KeepOut, ...]]:
     for name, colour, owners in (
         ("base", "0.3", [(frames[0], chain.base)]),
         ("tool", "tab:purple", [(frames[-1], chain.tool)]),
-        ("links", "tab:blue", zip(frames[1:], (joint.bodies for joint in chain.joints), strict=False)),
+        ("links", "tab:cyan", zip(frames[1:], (joint.bodies for joint in chain.joints), strict=False)),
     ):
         outlines = [
             (frame, line) for frame, bodies in owners for line in (*tool_outlines(bodies), *hull_outlines(bodies))
