@@ -93,7 +93,7 @@ def _drawn(groups: Mapping[str, Sequence[Array]], labels: Labels, near: float, a
 
 
 def _beside(labels: Labels) -> Labels:
-    """The labels where their texts begin: each as near to its point as no earlier one stands, if there is such a place."""
+    """The labels where their texts begin: each as near to its point as there is room beside earlier ones."""
     labels_at: Labels = []
     for (x, y), text in labels:
         wide = LETTER * len(text)
