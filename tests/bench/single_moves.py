@@ -26,8 +26,8 @@ from identification.model.model import Model, identification_model
 from planner.bounds.bound import information_limit
 from planner.bounds.design import improved_weights
 from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, state_of_move
-from planner.plans.making import seeds_of
 from planner.search.problem import state_limits
+from planner.search.rounds import seeds_of
 from planner.search.solving import Task, run_start
 
 Array = NDArray[np.float64]

@@ -10,9 +10,9 @@ from identification.limits.proof import prove
 from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
+from postprocessors.excitation import excitation_program
 from postprocessors.program import dialect
 from postprocessors.proof.proof import ProgramProof, prove_program
-from postprocessors.writing import excitation_program
 from tests.postprocessors.other_dialects import CASE, LINES_CASE
 from tests.postprocessors.programs import HOME
 

@@ -17,9 +17,9 @@ from identification.motion.motion import Joined, Motion, Standstill
 from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects.setpoints.write import decimals_of, write_setpoints
+from postprocessors.excitation import excitation_program
 from postprocessors.program import dialect
 from postprocessors.proof.proof import ProgramProof, prove_program
-from postprocessors.writing import excitation_program
 from tests.helpers import one_line
 from tests.postprocessors.independent import derivatives_reached, share_of_limits, strut_lengths
 from tests.postprocessors.programs import HOME

@@ -111,7 +111,7 @@ def _with_a_third_of_the_last_feed(text: str) -> str:
 )
 def test_the_time_of_a_plan_comes_back_from_the_words(typed: Typed, case, speed: float):
     from planner.families.fourier import FourierFamily
-    from postprocessors.writing import excitation_program
+    from postprocessors.excitation import excitation_program
 
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
     program = excitation_program(motion, case, speed)

@@ -17,7 +17,7 @@ from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger
 from postprocessors.dialects.sinumerik.read import LONGEST_LINE
 from postprocessors.proof.homing import predicted
 from postprocessors.reading import Timed, Untimed
-from postprocessors.writing import off_the_plan
+from postprocessors.same_motion import off_the_plan
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (
     CASE,

@@ -17,11 +17,12 @@ from identification.motion.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import block_motions
 from postprocessors.dialects.joint_trajectory.write import FIRST
+from postprocessors.excitation import excitation_program
 from postprocessors.program import dialect
 from postprocessors.proof.homing import predicted
 from postprocessors.proof.proof import prove_program
 from postprocessors.reading import Untimed
-from postprocessors.writing import excitation_program, proven_program
+from postprocessors.writing import proven_program
 from tests.helpers import examples, polynomials_of
 from tests.postprocessors.joint_walks import robot, walk
 from tests.postprocessors.other_dialects import CASE, LINES_CASE, SINUMERIK, TWINCAT, Typed

@@ -16,9 +16,10 @@ from hexcite._run import carried_out
 from hexcite._write import require_proven
 from identification.motion.motion import Joined, Standstill
 from identification.motion.moves import StraightMove, unit_profile
+from postprocessors.excitation import excitation_program
 from postprocessors.program import Program, dialect, read_program
 from postprocessors.reading import Reading
-from postprocessors.writing import excitation_program, proven_program
+from postprocessors.writing import proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import BOTH, CASE, LINUXCNC, SINUMERIK, TWINCAT, Typed
 from tests.postprocessors.programs import FIRST, HOME, read_linuxcnc, typed

@@ -17,7 +17,7 @@ from identification.motion.motion import Joined, Standstill
 from identification.motion.moves import StraightMove, unit_profile
 from postprocessors.blocks import Blocks, ToHome, Trigger
 from postprocessors.dialects.linuxcnc.write import prepare_linuxcnc
-from postprocessors.writing import excitation_program
+from postprocessors.excitation import excitation_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HOME, linuxcnc_text, path_through, proof
 

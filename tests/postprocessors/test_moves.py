@@ -14,10 +14,11 @@ from identification.motion.curves import PolynomialMotion
 from identification.motion.motion import Joined
 from identification.motion.moves import CircularMove, Plane, StraightMove, fastest_circle
 from postprocessors.dialects.linuxcnc.promises import linuxcnc_guarantees
+from postprocessors.excitation import excitation_program
 from postprocessors.program import dialect
 from postprocessors.proof.homing import predicted
 from postprocessors.reading import Timed, Untimed
-from postprocessors.writing import excitation_program, proven_program
+from postprocessors.writing import proven_program
 from tests.helpers import examples, jerked
 from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text, read_linuxcnc
 

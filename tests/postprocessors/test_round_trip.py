@@ -9,8 +9,8 @@ from cases.schema import Case, load_case
 from identification.motion.motion import Standstill
 from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger
 from postprocessors.dialects.linuxcnc.read import LONGEST_LINE
+from postprocessors.excitation import excitation_program
 from postprocessors.reading import Still, Timed, Untimed
-from postprocessors.writing import excitation_program
 from tests.postprocessors.programs import HOME, linuxcnc_text, programs, read_linuxcnc
 from tests.postprocessors.reported import Pause, Switch, reports
 

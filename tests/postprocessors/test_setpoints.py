@@ -16,10 +16,11 @@ from identification.motion.moves import StraightMove
 from postprocessors.blocks import Blocks, ToHome, Trigger
 from postprocessors.controllers.virtual import run_virtual
 from postprocessors.dialects.setpoints.write import write_setpoints
+from postprocessors.excitation import excitation_program
 from postprocessors.program import dialect, leaving_out
 from postprocessors.proof.proof import ProgramProof, prove_program
 from postprocessors.reading import Still, Timed
-from postprocessors.writing import excitation_program, proven_program
+from postprocessors.writing import proven_program
 from tests.helpers import examples, one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths

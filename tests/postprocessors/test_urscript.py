@@ -13,11 +13,12 @@ from identification.limits.chain import chain_frames, sensor_motion
 from identification.limits.limit import LimitKind, OwnMove, Status
 from identification.limits.sensor_loads import Loads
 from identification.motion.motion import Motion
+from postprocessors.excitation import excitation_program
 from postprocessors.program import Program, dialect
 from postprocessors.proof.homing import predicted
 from postprocessors.proof.proof import prove_program
 from postprocessors.reading import Untimed
-from postprocessors.writing import excitation_program, proven_program
+from postprocessors.writing import proven_program
 from tests.helpers import examples, one_line
 from tests.postprocessors.joint_walks import robot, walk
 

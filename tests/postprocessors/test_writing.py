@@ -17,9 +17,10 @@ from identification.motion.motion import Trajectory
 from identification.motion.moves import StraightMove, unit_profile
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import TimedPath
+from postprocessors.excitation import APPROACH_SHARE, excitation_program
 from postprocessors.program import dialect, dialect_of_file
 from postprocessors.reading import Timed
-from postprocessors.writing import APPROACH_SHARE, LONGER, excitation_program, proven_program
+from postprocessors.writing import LONGER, proven_program
 from tests.helpers import one_line, polynomials_of, tells
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import proof as reproof

@@ -16,11 +16,12 @@ from planner.families import ptp, spline
 from planner.families.plan_settings import FourierSettings, PlanSettings
 from planner.families.settings import FAMILIES, Best, Fourier, PointToPoint, Spline
 from planner.options import FAMILY_WORDS, MoveOptions, SplineOptions
-from planner.plans.making import KEPT, search
+from planner.plans.making import search
 from planner.plans.rating import PlannedMotion, choice_notes, tried_families
 from planner.request import OWNERS, Request
 from planner.search.parallel import Listener, Outcome, Results, Schedule, silent
 from planner.search.record import Failed, SolverStatus, StartRecord
+from planner.search.rounds import KEPT
 from planner.search.solving import Start, Task
 from tests.helpers import examples, one_line
 

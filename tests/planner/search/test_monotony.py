@@ -11,10 +11,11 @@ from identification.estimation.criteria import reference_scaling
 from identification.model.model import identification_model
 from planner.families.settings import Spline, family_class
 from planner.noise import mean_information
-from planner.plans.making import search, seeds_of
+from planner.plans.making import search
 from planner.request import Request
 from planner.search.parallel import Listener, Outcome, Schedule, run_here, silent
 from planner.search.record import Failed, SolverStatus, StartRecord
+from planner.search.rounds import seeds_of
 from planner.search.solving import Start
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED

@@ -15,10 +15,10 @@ from planner.families.family import Family
 from planner.families.fourier import START_SHARE, FourierFamily
 from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import state_size
-from planner.plans.making import seeds_of
 from planner.search.feasibility import CLOSE_ENOUGH, keep_limits
 from planner.search.nlp import NonlinearProgram
 from planner.search.problem import build_program, near_limits, state_limits
+from planner.search.rounds import seeds_of
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.helpers import few, seeds
