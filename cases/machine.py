@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -347,6 +347,18 @@ class StrutLengths(Part):
     `[workspace]`."""
 
     strut_length: ClassVar = si("strut_length_mm")  # shortest and longest strut, shape (2,) [m]
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if self.strut_length_mm[0] < 0.0:
+            raise ValueError(
+                phrase(
+                    "no_length",
+                    "strut_length_mm begins at {least} mm; give lengths from joint centre to joint centre",
+                    least=f"{self.strut_length_mm[0]:g}",
+                ).about("strut_length_mm")
+            )
+        return self
 
 
 class Workspace(StrutLengths):

@@ -49,6 +49,9 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
         "less than or equal to 400",
     ),
     "beyond any machine": ("radius_mm = 700.0", "radius_mm = 1e308", f"{RING}.radius_mm", "less than or equal to 10"),
+    "strut without a length": (
+        "strut_length_mm = [650.0", "strut_length_mm = [-650.0", "workspace", "strut_length_mm begins at -650 mm"
+    ),
     "negative radius": ("radius_mm = 700.0", "radius_mm = -7.0", f"{RING}.radius_mm", "-7.0: .*greater than 0"),
     "negative tolerance": (
         "[machine]",
