@@ -374,8 +374,8 @@ ERRORS = {
     "noise_not_stated": "sensors.force_noise_N nennt keines",
     "noise_of_a_run_not_kept": "ein Lauf des Mittels wurde bestimmt, bevor Ergebnisse es enthielten",
     "and_more_listed": "{remedy} ({more} weitere, wie aufgelistet)",
-    "trigger_at_ends": "ist nur {on} s lang an, alles innerhalb von {reach} s an einem Ende, wohin das Filter nicht "
-    "reicht, wie Impulse und ein Schalter, der in Bewegung aus ist",
+    "trigger_off_in_motion": "der Trigger ist {on} s lang ohne die Bewegung an, in Impulsen oder als Schalter, der in "
+    "Bewegung aus ist: die Bewegung wird ohne ihn ausgewertet",
 }
 """Problems and remedies."""
 

@@ -1,5 +1,6 @@
 """From a recording on one clock to what is evaluated of it: a window, a filter, and what damage leaves out."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,13 +18,15 @@ from identification.samples.moving import MovingRun, signals_at
 from identification.samples.sample_checks import bridged
 from identification.samples.samples import MOST_DELAY
 from identification.signals import Filter, white_noise
-from identification.stretches import stretches
+from identification.stretches import off_between, stretches
 
 LEAST_TRAVEL = 1e-4  # [m or rad] of struts or joints; below, the pose counts as constant
 MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine counts as moving, where there is no trigger
 STANDING = 0.5e-3  # [m or rad] of struts or joints with the trigger on; below, a run was recorded at standstills
 MOST_RATE = 2e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
 SURE = 6.0  # deviations of the encoders' noise, beyond which a change is motion
+PULSE = 0.1  # [s] with the trigger on, at most, that is no standstill
+OFF_TRAVEL = 0.5  # share of all travel, below which a switch that is on at both ends is off in motion
 NOISY = 10.0  # deviations of noise between the largest and the smallest reading of a standstill
 SLOWEST = 0.5  # [s] between samples, from which on no motion is seen in them
 MOST_LEFT_OUT = 0.5  # share of the motion lost to damage and the filter's reach around it
@@ -94,8 +97,16 @@ def stands_only(recording: Recording) -> bool:
     """Whether a run was recorded at standstills alone: its trigger comes on several times and nothing moves with it."""
     if recording.t is None or recording.drives is None or recording.trigger is None or not delimited(recording.trigger):
         return False
-    ranges = [np.ptp(recording.drives[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
+    on = stretches(recording.trigger)
+    if len(on) == 2 and (_pulses(on, recording.step) or off_between(recording.trigger)):
+        return False  # a motion from one to the other
+    ranges = [np.ptp(recording.drives[w], axis=0).max() for w in on if w.stop > w.start + 1]
     return bool(ranges) and bool(max(ranges) < STANDING + NOISY * white_noise(recording.drives).max())
+
+
+def _pulses(on: Sequence[slice], step: float) -> bool:
+    """Whether a trigger comes on for moments only, too short for standstills; `step`: between samples [s]."""
+    return all((part.stop - part.start) * step < PULSE for part in on)
 
 
 def delimited(trigger: Flags | None) -> bool:
@@ -233,12 +244,21 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
     assert recording.drives is not None
     low_pass.require(recording.drives, 0.0)
     warnings: tuple[Finding, ...] = ()
-    if recording.trigger is not None:
-        rows = _triggered(recording, recording.trigger, low_pass.margin)
-    else:
+    rows = None if recording.trigger is None else _triggered(recording, recording.trigger, low_pass.margin)
+    if rows is None or _marks_no_motion(recording, low_pass.margin + rows):
         moving, count = _moving(recording.drives, low_pass)
-        rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(count)
-        if not len(moving):
+        if rows is not None and len(moving):
+            assert recording.trigger is not None
+            sentence = phrase(
+                "trigger_off_in_motion",
+                "the trigger is on for {on} s without the motion, in pulses or as a switch that is off in motion: the "
+                "motion is evaluated without it",
+                on=f"{recording.trigger.sum() * recording.step:.2g}",
+            )
+            warnings = (warning(Kind.WINDOW, sentence),)
+        if rows is None or len(moving):
+            rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(count)
+        if recording.trigger is None and not len(moving):
             sentence = phrase(
                 "never_moves",
                 "the {drives} are never faster than {least} {unit}/s, so that all of the recording is evaluated; "
@@ -253,26 +273,31 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
 
 
 def _triggered(recording: Recording, trigger: Flags, margin: int) -> Indices:
-    """Filtered samples with the trigger on; raises RecordingError where there is none."""
-    rows = np.flatnonzero(trigger[margin:-margin])
-    if len(rows):
-        return rows
-    on = float(trigger.sum()) * recording.step
-    problem = phrase("trigger_never", "is never 1")
-    if on > 0.0:
-        problem = phrase(
-            "trigger_at_ends",
-            "is on for {on} s only, all of it within {reach} s of an end, where the filter does not reach, as "
-            "pulses are and a switch that is off in motion",
-            on=f"{on:.2g}",
-            reach=f"{margin * recording.step:.2g}",
-        )
+    """Filtered samples with the trigger on, none where that is at the ends; RecordingError where it is never on."""
+    if trigger.any():
+        return np.flatnonzero(trigger[margin:-margin])
     raise RecordingError(
         place=f"{recording.source}, trigger",
-        problem=problem,
+        problem=phrase("trigger_never", "is never 1"),
         remedy=phrase("trigger_or_none", "record with the trigger on during the motion, or leave it out"),
         code=Code.TRIGGER,
     )
+
+
+def _marks_no_motion(recording: Recording, rows: Indices) -> bool:
+    """Whether a trigger is on in pulses, while all stands, or at both ends of a motion; `rows`: where it counts."""
+    drives, trigger = recording.drives, recording.trigger
+    assert drives is not None
+    assert trigger is not None
+    on = stretches(trigger)
+    travel = np.ptp(drives[rows], axis=0) if len(rows) else np.zeros(drives.shape[1])
+    off_in_motion = off_between(trigger) and travel.max() < OFF_TRAVEL * np.ptp(drives, axis=0).max()
+    return _pulses(on, recording.step) or off_in_motion or bool(travel.max() < _least_travel(drives))
+
+
+def _least_travel(drives: Array) -> float:
+    """Travel of a drive that counts as one, drives of shape (n, k) [m or rad]."""
+    return LEAST_TRAVEL + NOISY * float(white_noise(drives).max())
 
 
 def _moving(drives: Array, low_pass: Filter) -> tuple[Indices, int]:
@@ -286,7 +311,7 @@ def _moving(drives: Array, low_pass: Filter) -> tuple[Indices, int]:
 def _require_travel(recording: Recording, values: Array, rows: Indices, drives: str, unit: str) -> None:
     """Raises IdentificationError where no drive travels farther than its noise, of drives of shape (n, k)."""
     travel = max(float(np.ptp(drive[rows])) for drive in values.T)
-    least_travel = LEAST_TRAVEL + NOISY * float(white_noise(values).max())
+    least_travel = _least_travel(values)
     if travel < least_travel:
         raise IdentificationError(
             place=recording.source,

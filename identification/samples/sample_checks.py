@@ -23,7 +23,7 @@ from identification.recording.formats.quantities import CONTRADICTED
 from identification.recording.formats.sampling import spread
 from identification.recording.formats.table import Lines, Stream
 from identification.recording.recording import Recording
-from identification.stretches import stretches
+from identification.stretches import off_between, stretches
 
 Problem = tuple[int, str, Flags]  # number of a channel or drive, counted from 1, what is wrong with it, and where
 
@@ -456,12 +456,13 @@ def _ends(case: Case) -> tuple[Array, Array, Array] | None:
 
 def cut_off(recording: Recording) -> list[Finding]:
     """Where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
-    if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
+    trigger = recording.trigger
+    if recording.t is None or trigger is None or not trigger[-1] or trigger.all() or off_between(trigger):
         return []
     sentence = phrase(
         "cut_off", "the recording ends while the trigger is on; its end is missing, record until the machine rests"
     )
-    return [warning(Kind.WINDOW, sentence, recording.lines.place(len(recording.trigger) - 1))]
+    return [warning(Kind.WINDOW, sentence, recording.lines.place(len(trigger) - 1))]
 
 
 def _distance(step: float, drive: int, of_drives: bool, case: Case) -> str:

@@ -100,10 +100,6 @@ REFUSALS: dict[str, tuple[Recording, Case, int | None, type[HexciteError], str]]
     "shorter than the filter": (first(150), CASE, None, UNREADABLE, "150 samples are too few.*record longer"),
     "one standstill": (replace(first(1), t=None), CASE, None, UNFIT, "1 samples? .*14 unknowns"),
     "trigger never on": (triggered(0), CASE, None, UNREADABLE, "trigger: is never 1"),
-    "trigger on once": (triggered(1), CASE, None, UNFIT, "."),
-    "trigger on for 4 samples": (triggered(4), CASE, None, UNFIT, "record"),
-    "trigger on for 9 samples": (triggered(9), CASE, None, UNFIT, "record"),
-    "trigger on for 20 samples": (triggered(20), CASE, None, UNFIT, "record"),
     "forces that are all zero": (replace(RUN, forces=0 * RUN.forces), CASE, None, UNFIT, "."),
     "a force channel that is stuck": (stuck(2, RUN), CASE, None, UNFIT, "channel 3 reads"),
     "the same at standstill": (stuck(4, STILL), CASE, None, UNFIT, "channel 5 reads"),
@@ -157,3 +153,10 @@ def test_struts_that_cannot_close_are_named_by_their_place_in_the_recording(reco
     with pytest.raises(IdentificationError, match=r"no pose.*strut lengths") as caught:
         estimate_parameters(with_struts(jam, recording), CASE)
     assert abs(place(caught.value) - 1000) <= reach
+
+
+@pytest.mark.parametrize("count", [1, 4, pytest.param(20, marks=pytest.mark.repeats)])
+def test_a_pulse_is_no_window_and_the_motion_is_evaluated(count: int) -> None:
+    estimate = estimate_parameters(triggered(count), CASE)
+    assert any(f.kind == "window" and f.severity == "warning" and "pulses" in f.sentence for f in estimate.findings)
+    assert len(estimate.residuals) > 50  # behind the filter, of the whole motion

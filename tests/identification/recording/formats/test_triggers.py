@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from cases.base.errors import RecordingError
+from identification.identify import identify
 from identification.recording.recording import Recording, read
 from tests.helpers import one_line, tells
+from tests.identification.recording.formats.loaded_hexapod import MASS, run
 from tests.identification.recording.formats.runs import NAMES, Truth, case_with, csv, written
 
 RUN = Truth()
@@ -70,3 +72,31 @@ def test_of_several_bits_the_message_says_which_change(tmp_path: Path) -> None:
 def test_a_voltage_has_no_bits(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"bits: 0\.5 has no bits; leave recording\.trigger\.bit out"):
         recorded(0.5 * ON, tmp_path, trigger={"column": "bits", "bit": 0})
+
+
+T = np.arange(1001) * 0.004
+MOTION = (T > 0.3) & (T < 3.7)
+
+
+@pytest.mark.parametrize(
+    "on",
+    [
+        ~MOTION,
+        (T > 0.01) & (T < 0.04),
+        ((T > 0.01) & (T < 0.04)) | ((T > 3.95) & (T < 3.98)),
+        ((T > 0.3) & (T < 0.33)) | ((T > 3.7) & (T < 3.72)),
+    ],
+    ids=["off in motion", "pulse before", "pulses before and after", "pulses within"],
+)
+def test_a_trigger_that_is_on_without_the_motion_marks_nothing_and_the_motion_is_evaluated(
+    on: np.ndarray, tmp_path: Path
+) -> None:
+    """Inputs that are active low and pulses at both ends are as usual as a switch that stays on."""
+    truth = run(T)
+    text = csv(np.column_stack([T, truth.struts * 1e3, truth.forces, on]), [*NAMES, "trigger"])
+    result = identify(read(written(tmp_path, text), case_with()), case_with())
+    assert abs(result["m"].value - MASS) < 4.0 * result["m"].reported
+    (said,) = (f for f in result.findings if f.kind == "window")
+    assert said.severity == "warning"
+    assert tells(said.sentence, "trigger", f"{on.sum() * 0.004:.2g} s")
+    assert not any("record until the machine rests" in warning for warning in result.warnings)
