@@ -212,10 +212,10 @@ def _along(points: Array, axis: Array) -> tuple[Array, float]:
     _, _, directions = np.linalg.svd(projector)  # the first two span the plane
     plane = flat @ directions[:2].T
     middle = (plane.min(axis=0) + plane.max(axis=0)) / 2.0
-    for _ in range(200):  # towards the farthest point, ever less: Badoiu and Clarkson 2003
+    for k in range(200):  # towards the farthest point, ever less: Badoiu and Clarkson 2003
         off = plane - middle
         far = int(np.argmax(np.einsum("ni,ni->n", off, off)))
-        middle = middle + off[far] / (_ + 2.0)
+        middle = middle + off[far] / (k + 2.0)
     distances = np.linalg.norm(plane - middle, axis=1)
     radius = float(distances.max())
     cap = np.sqrt(np.maximum(radius**2 - distances**2, 0.0))

@@ -83,8 +83,8 @@ def sizes_named(case: Case, key: str) -> list[Size]:
     drives = drives_named(case)
     if key == "encoder_scale_ppm":
         off = phrase("told_scale", "{name} moves {size} more than its encoder says", name=OPEN, size=OPEN)
-        remedy = phrase("mend_scale", "correct the scale in the drive")
-        return [Size(key, off.filled(name=name), remedy) for name in drives]
+        cure = phrase("mend_scale", "correct the scale in the drive")
+        return [Size(key, off.filled(name=name), cure) for name in drives]
     if key == "links_mm":
         off = phrase(
             "told_link",
@@ -98,9 +98,9 @@ def sizes_named(case: Case, key: str) -> list[Size]:
         return [Size(key, off.filled(name=n, axis=axis, before=before)) for before, n in pairs for axis in "xyz"]
     turns = [] if case.chain is None else [joint.turns for joint in case.chain.joints]
     off = phrase("told_zero", "{name} stands {size} farther than it reads", name=OPEN, size=OPEN)
-    remedy = phrase("mend_zero", "correct its zero in the controller")
+    cure = phrase("mend_zero", "correct its zero in the controller")
     return [
-        Size(key, off.filled(name=name), remedy)
+        Size(key, off.filled(name=name), cure)
         for name, turn in zip(drives, turns, strict=False)
         if turn == key.endswith("deg")
     ]

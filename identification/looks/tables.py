@@ -32,7 +32,7 @@ def says_how(case: Case) -> bool:
 
 
 def look_at_tables(files: Sequence[Path], case: Case | None, refusal: str | None) -> Look:
-    """The look at tables of text or Parquet; `own`: why the [recording] of the case does not read them."""
+    """The look at tables of text or Parquet; `refusal`: why the [recording] of the case does not read them."""
     reads = case is not None and says_how(case) and refusal is None
     laid_out = None if reads or case is None else _as_laid_out(files, case)
     if laid_out is not None:

@@ -366,14 +366,16 @@ def turning_at_home(case: Case, model: Model, values: Array, counted: Collection
     return rotations
 
 
-def mounting_of_both(case: Case, one: LeftOpen, other: LeftOpen, own: tuple[Sequence[int], Sequence[int]]) -> Mounting:
+def mounting_of_both(
+    case: Case, one: LeftOpen, other: LeftOpen, bodies: tuple[Sequence[int], Sequence[int]]
+) -> Mounting:
     """What two runs leave open of the place of the sensor, beside the difference of their parameters, other less one.
 
     Args:
         case: case of both.
         one: what the first leaves open of the sizes that both told.
         other: what the second leaves open of them.
-        own: places of the parameters of the body in u of each.
+        bodies: places of the parameters of the body in u of each.
     """
     stated = {} if case.tolerances is None else dict(case.tolerances.stated())
     rows = {"sensor_mm": (MM, slice(0, 3)), "sensor_deg": (DEG, slice(3, 6))}
@@ -381,13 +383,13 @@ def mounting_of_both(case: Case, one: LeftOpen, other: LeftOpen, own: tuple[Sequ
     into = one.of_keys({k: of_place.get(k, np.zeros((6, count))) for k, count in one.counts.items()})
     both = Together.of(one, other)
     parts = (
-        (into @ both.first @ one.gain, -one.of_values[list(own[0])], one),
-        (into @ both.second @ other.gain, other.of_values[list(own[1])], other),
+        (into @ both.first @ one.gain, -one.of_values[list(bodies[0])], one),
+        (into @ both.second @ other.gain, other.of_values[list(bodies[1])], other),
     )
     white, robust = (
         (
             sum((s @ of.noise_of(kind) @ s.T for s, _, of in parts), np.zeros((6, 6))),
-            sum((v @ of.noise_of(kind) @ s.T for s, v, of in parts), np.zeros((len(own[0]), 6))),
+            sum((v @ of.noise_of(kind) @ s.T for s, v, of in parts), np.zeros((len(bodies[0]), 6))),
         )
         for kind in (False, True)
     )
@@ -398,7 +400,7 @@ def mounting_of(
     case: Case,
     counted: Collection[str],
     left_open: LeftOpen | None,
-    own: Sequence[int],
+    body: Sequence[int],
     turning: Mapping[str, Array] | None = None,
 ) -> Mounting:
     """What is left open of the place of the sensor on its flange, or of its axes in {B}.
@@ -407,12 +409,12 @@ def mounting_of(
         case: case of the result.
         counted: keys of tolerances that its deviations count.
         left_open: what its run leaves open of the sizes that it told; None where it told nothing.
-        own: places of the parameters of the body in u.
+        body: places of the parameters of the body in u.
         turning: what else turns the sensor in {B}, as of `turning_at_home`; where the load is seen along {B}.
     """
     stated = {} if case.tolerances is None else dict(case.tolerances.stated())
     rows = {"sensor_mm": (MM, slice(0, 3)), "sensor_deg": (DEG, slice(3, 6))}
-    of_place = {k: np.eye(6)[:, own] * stated[k] * unit for k, (unit, own) in rows.items() if k in counted}
+    of_place = {k: np.eye(6)[:, of_size] * stated[k] * unit for k, (unit, of_size) in rows.items() if k in counted}
     of_place |= {key: np.vstack([np.zeros_like(turns), turns]) for key, turns in (turning or {}).items()}
     estimated_keys = set() if left_open is None else of_place.keys() & left_open.counts.keys()
     plain = {key: sizes for key, sizes in of_place.items() if key not in estimated_keys}
@@ -421,6 +423,6 @@ def mounting_of(
     into = left_open.of_keys({k: of_place.get(k, np.zeros((6, count))) for k, count in left_open.counts.items()})
     biases = plain | {key: into @ remainder for key, remainder in left_open.remains.items()}
     noise = [left_open.noise_of(robust) for robust in (False, True)]
-    of_sizes, of_values = into @ left_open.gain, left_open.of_values[list(own)]
+    of_sizes, of_values = into @ left_open.gain, left_open.of_values[list(body)]
     white, robust = ((of_sizes @ n @ of_sizes.T, of_values @ n @ of_sizes.T) for n in noise)
     return Mounting(biases, white, robust)
