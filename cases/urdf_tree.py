@@ -13,7 +13,7 @@ import numpy as np
 from cases.base.errors import CaseError, Code, FileProblem, first_problems
 from cases.base.file_reading import read_whole
 from cases.base.phrases import Phrase, enumerated, phrase
-from cases.base.units import Array
+from cases.base.units import DEG, Array
 from cases.machine import turned
 
 MOST_BYTES = 8 * 2**20
@@ -240,7 +240,11 @@ def link_from_element(element: Element, findings: Findings) -> Array:
     of = f"origin of joint {name}" if name else "origin of the inertial"
     if (origin := element.find("origin")) is not None:
         frame[:3, 3] = vector_of(origin, "xyz", of, findings, "0 0 0")
-        frame[:3, :3] = turned(vector_of(origin, "rpy", of, findings, "0 0 0"))
+        angles = vector_of(origin, "rpy", of, findings, "0 0 0")
+        if angles.any():  # else the file may state none
+            texts = origin.attrib["rpy"].split()
+            angles = DEG * np.array([in_unit(text, v, DEG) for text, v in zip(texts, angles, strict=True)])
+        frame[:3, :3] = turned(angles)
         if name and np.linalg.norm(frame[:3, 3]) > MOST_WAY:
             words = f"an origin beyond {MOST_WAY:g} m looks like millimetres: a URDF counts in metres"
             findings.note("joint", name, words)
@@ -281,7 +285,7 @@ def number_in(text: str) -> float | None:
 
 
 def in_unit(text: str, value: float, si: float) -> float:
-    """A number of SI in another unit, with no more digits than its text states: 2.094395 rad are 120 deg.
+    """A number of SI in another unit, with no more digits than its text states: 1.5708 rad are 90 deg.
 
     Of fewer than four decimals it is taken as exact.
 

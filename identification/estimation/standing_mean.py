@@ -15,13 +15,13 @@ from scipy.linalg import toeplitz
 from scipy.special import ndtr
 
 from cases.base.units import Array
-from identification.estimation.noise_mixtures import TOO_SHORT
 
 STRETCHES = 64  # of a record, whose means are looked at
 PER_OCTAVE = 2  # memories that are tried, from that of a stretch to that of the record
 RATIOS = np.logspace(-2.0, 3.0, 24)  # of the noise with memory over the white one, in a stretch
 WHITE = 0.8  # chance beforehand that noise remembers nothing
 QUARTER = 0.25  # of the record: of what remembers as long it shows little
+TOO_SHORT = 0.4  # share of the variance by such noise, from which a record is short
 HOLDS = 1.96  # deviations to either side, which hold 95 %
 BISECTIONS = 40
 TINY = 1e-9  # of a channel's variance that counts as independent of the others

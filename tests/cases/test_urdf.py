@@ -375,6 +375,21 @@ def test_ends_have_no_more_digits_than_the_file_states(tmp_path: Path) -> None:
     assert high == pytest.approx(np.degrees(1.23456789012), abs=1e-9)
 
 
+def test_angles_of_origins_have_no_more_digits_than_the_file_states(tmp_path: Path) -> None:
+    """Right angles are written as 1.5708; of many digits, or few, an angle is taken as it is."""
+    for text, degrees, within in (
+        ("1.5708", 90.0, 1e-9),
+        ("-0.785398", -45.0, 1e-9),
+        ("1.57", np.degrees(1.57), 1e-9),
+        ("0.12345678901", np.degrees(0.12345678901), 1e-9),
+        ("1.57079", np.degrees(1.57079), 3e-4),
+    ):
+        found = arm(tmp_path, ('xyz="-0.612 0 0" rpy="0 0 0"', f'xyz="-0.612 0 0" rpy="0 0 {text}"'))
+        place = next(joint for joint, _ in found.joints if joint.name == "elbow_joint")
+        assert place.rpy_deg[2] == pytest.approx(degrees, abs=within)
+    assert place.rpy_deg[2] != pytest.approx(90.0, abs=1e-4)
+
+
 def test_digits_may_come_first_in_a_name(tmp_path: Path) -> None:
     text = ur10().replace("elbow_joint", "3_elbow")
     case_file = new_arm("arm", file_with(tmp_path, text), "tool0", tmp_path / "arm")

@@ -1,5 +1,6 @@
 """What readers share: columns with the place of each row in its file, and streams."""
 
+import re
 import stat
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,7 +24,9 @@ from identification.recording.formats.clocks import Unsteady, evened
 Stamps = NDArray[np.float64] | NDArray[np.int64]
 Channel = Literal["drives", "rotations", "forces", "trigger", "poses", "specific_forces", "override"]
 
-_SHOWN_NAMES = 40
+_LAST_NUMBER = re.compile(r"[0-9]{1,9}(?=[^0-9]*$)")
+_SHOWN_NAMES = 12  # or ranges of them
+_COUNTED_ON = 3  # names that differ in a number which counts up are shown as a range from so many on
 _SHOWN_CHARACTERS = 40
 
 
@@ -358,7 +361,27 @@ def shown(text: str, limit: int = _SHOWN_CHARACTERS) -> str:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names from a file as a message can list them."""
-    labels = [shown(n) for n in names if n.strip()]
-    more = f" and {len(labels) - _SHOWN_NAMES} more" if len(labels) > _SHOWN_NAMES else ""
-    return (", ".join(labels[:_SHOWN_NAMES]) or "no names") + more
+    """Names from a file as a message can list them: of more than a dozen the first, those that count up as a range.
+
+    >>> listed(["t", "q_0", "q_1", "q_2", "fx", *"abcdefghijkl"])
+    't, q_0 .. q_2, fx, a, b, c, d, e, f, g, h, i and 3 more'
+    """
+    ranges: list[list[str]] = []
+    every = [name for name in names if name.strip()]
+    for name in every:
+        if ranges and _counts_on(ranges[-1][-1], name):
+            ranges[-1].append(name)
+        else:
+            ranges.append([name])
+    parts: list[list[str]] = []  # each is shown as one
+    for each in ranges:
+        parts += [each] if len(each) >= _COUNTED_ON and len(every) > _SHOWN_NAMES else [[name] for name in each]
+    first, rest = parts[:_SHOWN_NAMES], sum(map(len, parts[_SHOWN_NAMES:]))
+    labels = [shown(of[0]) if len(of) == 1 else f"{shown(of[0])} .. {shown(of[-1])}" for of in first]
+    return (", ".join(labels) or "no names") + (f" and {rest} more" if rest else "")
+
+
+def _counts_on(name: str, following: str) -> bool:
+    """Whether a name is another one with its last number one higher."""
+    found = _LAST_NUMBER.search(name)
+    return found is not None and following == f"{name[: found.start()]}{int(found[0]) + 1}{name[found.end() :]}"

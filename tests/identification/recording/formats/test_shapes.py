@@ -155,7 +155,7 @@ def test_a_headless_file_is_looked_at_and_its_columns_are_to_be_named(names: lis
             read(file, HEXAPOD)
     else:
         with pytest.raises(
-            RecordingError, match=r"none of the columns t_s, .*; it has zeit, b0, b1.*recording.columns"
+            RecordingError, match=r"none of the columns t_s, .*; it has zeit, b0 .. b11: .*recording.columns"
         ):
             read(file, case_with(column_names=names))
 
