@@ -8,6 +8,7 @@ import base64
 import hashlib
 import json
 import re
+import warnings
 from collections.abc import Mapping
 from datetime import datetime
 from io import BytesIO
@@ -16,7 +17,7 @@ from typing import Any, NamedTuple
 
 from cases.base.atomic import atomic_file
 from cases.base.doors import checks
-from cases.base.errors import Code, FileProblem, HexciteError, choice, option
+from cases.base.errors import Code, FileProblem, HexciteError, choice, option, printable
 from cases.base.file_reading import DAMAGED, MOST_JSON, read_whole
 from cases.base.output_places import check_file
 from cases.base.provenance import sha256_of
@@ -244,11 +245,14 @@ def _pdf(statement: Mapping[str, Any]) -> bytes:
     data = base64.b64encode(json.dumps(statement, sort_keys=True).encode()).decode()
     title = f"{text('c_title', statement['language'])} {statement['number']}".strip()
     about = {
-        "Title": title, "Subject": statement["machine"]["title"], "Creator": FORMAT,
+        "Title": printable(title), "Subject": printable(statement["machine"]["title"]), "Creator": FORMAT,
         "Keywords": f"hexcite:{data} sha256:{_NONE.decode()}",
     }  # fmt: skip
     buffer = BytesIO()
-    with rc_context({"pdf.fonttype": 42, "font.family": "DejaVu Sans"}), PdfPages(buffer, metadata=about) as pages:
+    fonts = rc_context({"pdf.fonttype": 42, "font.family": "DejaVu Sans"})
+    with warnings.catch_warnings(), fonts, PdfPages(buffer, metadata=about) as pages:
+        # names in scripts that no font of matplotlib has are boxes on the pages, and whole in the data
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         for figure in pages_of(statement, title):
             pages.savefig(figure)
     content = buffer.getvalue()

@@ -4,6 +4,7 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from cases.base.errors import printable
 from hexcite.texts import Language, answers, text
 from hexcite.texts.by_code import parameter, plain
 from hexcite.texts.certificate import WEIGHTS
@@ -31,7 +32,7 @@ def pages_of(statement: Mapping[str, Any], title: str) -> Iterator[Any]:
     _chain(sheet, statement)
     for k, figure in enumerate(sheet.figures, 1):
         figure.text(RIGHT, 0.035, sheet.words("page", k=k, count=len(sheet.figures)), fontsize=7.5, ha="right")
-        figure.text(LEFT, 0.035, f"{title}, {statement['issued']}", fontsize=7.5)
+        figure.text(LEFT, 0.035, printable(f"{title}, {statement['issued']}"), fontsize=7.5)
         yield figure
 
 
@@ -167,7 +168,7 @@ class _Sheet:
         for k, (x, words) in enumerate(cells):
             align = "right" if ends and k else "left"
             self.figures[-1].text(
-                x, self.y, words.replace("$", r"\$"), fontsize=size, weight=weight, ha=align, va="top"
+                x, self.y, printable(words).replace("$", r"\$"), fontsize=size, weight=weight, ha=align, va="top"
             )
         self.y -= LINE * max(1.0, size / 8.5)
 

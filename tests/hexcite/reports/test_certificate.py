@@ -67,6 +67,16 @@ def test_it_is_german_where_that_is_asked_for(result: Result, tmp_path: Path) ->
         hx.certificate(result, tmp_path / "f.pdf", language=cast(Any, "fr"))
 
 
+def test_names_that_steer_a_terminal_or_that_no_font_has_are_written_without_a_warning(
+    result: Result, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    hx.certificate(result, tmp_path / "c.pdf", ABOUT, "7\x1b[31m\u202e六足")
+    assert capfd.readouterr() == ("", "")
+    text = "\n".join(page.extract_text() for page in PdfReader(tmp_path / "c.pdf").pages)
+    assert r"7\x1b[31m\u202e" in text
+    assert not {"\x1b", "\u202e"} & {*text}
+
+
 def test_any_change_of_the_file_shows(result: Result, tmp_path: Path) -> None:
     place, changed = tmp_path / "c.pdf", tmp_path / "changed.pdf"
     hx.certificate(result, place)
