@@ -107,7 +107,7 @@ def _within(file: Path, parts: Iterator[bytes]) -> bytes:
             raise RecordingError(
                 place=file,
                 problem=problem,
-                remedy="cut the run, or save it as UTF-8 without compressing it",
+                remedy=phrase("cut_or_uncompressed", "cut the run, or save it as UTF-8 without compressing it"),
                 code=Code.UNREADABLE,
             )
     return bytes(data)
@@ -180,8 +180,8 @@ def section_of(content: Content, header_rows: int, trailing_rows: int, last_word
                     place = f"{file}, line {number}"
                     raise RecordingError(
                         place=place,
-                        problem="is longer than a million characters",
-                        remedy="not a CSV table",
+                        problem=phrase("line_too_long", "is longer than a million characters"),
+                        remedy=phrase("not_csv", "not a CSV table"),
                         code=Code.OUT_OF_RANGE,
                     )
             stream.seek(start)

@@ -64,7 +64,10 @@ def _with(joined: Sequence[Stream], stream: Stream) -> list[Stream]:
         if not np.array_equal(first.trigger, stream.trigger):
             reason = f"has another trigger than {first.source}, sample by sample"
             raise RecordingError(
-                place=stream.source, problem=reason, remedy="leave one of the triggers out", code=Code.TRIGGER
+                place=stream.source,
+                problem=reason,
+                remedy=phrase("leave_a_trigger", "leave one of the triggers out"),
+                code=Code.TRIGGER,
             )
         del more["trigger"]
     masks = [s.missing for s in (first, stream) if s.missing is not None]
@@ -255,7 +258,10 @@ def _require_overlap(streams: Sequence[Stream]) -> None:
         sources = ", ".join(stream.source for stream in streams)
         reason = "have no common rows, and not all of them have time stamps"
         raise RecordingError(
-            place=sources, problem=reason, remedy="give files of one run, recorded together", code=Code.OTHER_SOURCE
+            place=sources,
+            problem=reason,
+            remedy=phrase("files_of_one_run", "give files of one run, recorded together"),
+            code=Code.OTHER_SOURCE,
         )
     spans = [(float(s.t[0]), float(s.t[-1]), s.source) for s in streams if s.t is not None]
     start, _, latest = max(spans)

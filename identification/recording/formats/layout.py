@@ -198,7 +198,10 @@ def _guessed(content: Content, head: Sequence[bytes]) -> dict[str, Any]:
     if first is None:
         problem = "has columns of numbers, but no line with a number in each of them"
         raise RecordingError(
-            place=content.file, problem=problem, remedy="export it again, one row a sample", code=Code.WRONG_KIND
+            place=content.file,
+            problem=problem,
+            remedy=phrase("export_rows", "export it again, one row a sample"),
+            code=Code.WRONG_KIND,
         )
     sample = [line for line in lines[first : first + SAMPLE] if line.strip()]
     names_row = _names_row(lines[:first], sample, form, aligned, len(numeric))
@@ -259,7 +262,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str) -> tuple[FileForma
         raise RecordingError(
             place=file,
             problem=problem,
-            remedy="export it as CSV, with a comma or semicolon between the fields",
+            remedy=phrase("export_csv", "export it as CSV, with a comma or semicolon between the fields"),
             code=Code.WRONG_KIND,
         )
     return best, numeric
@@ -300,7 +303,7 @@ def _require_one_sign(file: Path, header: Sequence[str], form: FileFormat, width
         raise RecordingError(
             place=file,
             problem=problem,
-            remedy="export it with semicolons between the fields, or with decimal points",
+            remedy=phrase("export_semicolons", "export it with semicolons between the fields, or with decimal points"),
             code=Code.WRONG_KIND,
         )
 

@@ -45,8 +45,8 @@ def parquet_tables(file: Path, form: FileFormat) -> list[ColumnTable]:
         reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
         raise RecordingError(
             place=file,
-            problem=f"is a damaged Parquet file ({reason})",
-            remedy="copy or export it again",
+            problem=phrase("parquet_damaged", "is a damaged Parquet file ({reason})", reason=reason),
+            remedy=phrase("copy_or_export", "copy or export it again"),
             code=Code.DAMAGED,
         ) from error
     values = {ours: _numbers(file, names[k], table) for ours, k in chosen.items()}
@@ -64,8 +64,8 @@ def _numbers(file: Path, name: str, table: "pa.Table") -> Array:
     if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
         raise RecordingError(
             place=f"{file}, {shown(name)}",
-            problem=f"holds {shown(str(kind))}, not numbers",
-            remedy="export it as double",
+            problem=phrase("parquet_kind", "holds {kind}, not numbers", kind=shown(str(kind))),
+            remedy=phrase("export_double", "export it as double"),
             code=Code.WRONG_KIND,
         )
     return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
@@ -81,8 +81,8 @@ def _stamps(file: Path, name: str, table: "pa.Table", tick: float) -> tuple[Stam
         row = int(np.argmin(column.is_valid().to_numpy()))
         raise RecordingError(
             place=f"{file}, {shown(name)}",
-            problem=f"has no value in row {row + 1}",
-            remedy="remove the row",
+            problem=phrase("parquet_no_value", "has no value in row {row}", row=row + 1),
+            remedy=phrase("remove_row", "remove the row"),
             code=Code.MISSING,
         )
     if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):

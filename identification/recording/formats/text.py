@@ -84,7 +84,7 @@ def tables(
         raise RecordingError(
             place=content.file,
             problem=empty,
-            remedy="record or export it again, with the time of each row",
+            remedy=phrase("again_with_times", "record or export it again, with the time of each row"),
             code=Code.WRONG_KIND,
         )
 
@@ -159,7 +159,10 @@ def _stamps(
         place = f"{content.file}, {lines.place(int(np.argmin(valid)))}"
         if layout.uneven:
             raise RecordingError(
-                place=place, problem="a clock has no value but goes on below", remedy="remove the row", code=Code.CLOCK
+                place=place,
+                problem=phrase("clock_gap", "a clock has no value but goes on below"),
+                remedy=phrase("remove_row", "remove the row"),
+                code=Code.CLOCK,
             )
         place = f"{place}, {shown(layout.label(position))}"
         raise RecordingError(
@@ -178,7 +181,7 @@ def _stamps(
         raise RecordingError(
             place=place,
             problem=problem,
-            remedy="correct or remove the row, or state recording.clock.period_ms",
+            remedy=phrase("mend_row_or_period", "correct or remove the row, or state recording.clock.period_ms"),
             code=Code.CLOCK,
         )
     stamps = np.asarray(column.to_numpy())
@@ -221,7 +224,10 @@ def _in_two_columns(content: Content, layout: Layout, parts: Sequence[_Clock], l
             problem = "adds nanoseconds to stamps that are not in seconds"
         place = f"{content.file}, {lines.place(row)}, {shown(str(column))}"
         raise RecordingError(
-            place=place, problem=problem, remedy="correct recording.clock in the case", code=Code.CLOCK
+            place=place,
+            problem=problem,
+            remedy=phrase("correct_clock", "correct recording.clock in the case"),
+            code=Code.CLOCK,
         )
     return whole.astype(np.int64) * _A_SECOND + part.astype(np.int64), 1.0 / _A_SECOND
 

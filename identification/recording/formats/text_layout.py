@@ -123,7 +123,7 @@ def not_text(place: Path | str, form: FileFormat) -> RecordingError:
     """The error for what is not text in the stated encoding."""
     return RecordingError(
         place=place,
-        problem=f"is not {form.encoding.upper()} text",
-        remedy="save the file as UTF-8",
+        problem=phrase("not_this_text", "is not {encoding} text", encoding=form.encoding.upper()),
+        remedy=phrase("save_file_utf8", "save the file as UTF-8"),
         code=Code.UNREADABLE,
     )

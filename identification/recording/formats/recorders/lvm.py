@@ -36,7 +36,7 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
         raise RecordingError(
             place=content.file,
             problem=problem,
-            remedy="write it again with one header at least",
+            remedy=phrase("lvm_header", "write it again with one header at least"),
             code=Code.DAMAGED,
         )
     first, names = segments[0], segments[0].names
@@ -175,7 +175,10 @@ def _starts(content: Content, segments: Sequence[_Segment], clock: int | None) -
                 place = f"{content.file}, line {segment.section.first}"
                 problem = "the times of this segment begin anew, and no date in its header says when"
                 raise RecordingError(
-                    place=place, problem=problem, remedy="give each segment as a file of its own", code=Code.WRONG_KIND
+                    place=place,
+                    problem=problem,
+                    remedy=phrase("lvm_segments", "give each segment as a file of its own"),
+                    code=Code.WRONG_KIND,
                 )
             start = later
         end = start + ends[1]

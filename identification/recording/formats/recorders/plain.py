@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from cases.base.errors import Code, RecordingError
+from cases.base.phrases import phrase
 from cases.recording_format import FileFormat
 from identification.recording.formats.content import Content, section_of
 from identification.recording.formats.names.labels import units_row
@@ -23,7 +24,12 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     if len(head) < rows:
         raise RecordingError(
             place=file,
-            problem=f"has {len(head)} lines, no more than recording.header_rows = {rows}",
+            problem=phrase(
+                "header_longer",
+                "has {count} lines, no more than recording.header_rows = {rows}",
+                count=len(head),
+                rows=rows,
+            ),
             code=Code.TOO_FEW,
         )
     header = decoded(file, head[:rows], form)
@@ -32,8 +38,8 @@ def layout(content: Content, head: Sequence[bytes], form: FileFormat) -> Layout:
     if form.column_names is None and not names_row:
         raise RecordingError(
             place=file,
-            problem="recording.header_rows = 0 leaves no names",
-            remedy="list them in recording.column_names",
+            problem=phrase("no_header_names", "recording.header_rows = 0 leaves no names"),
+            remedy=phrase("list_them", "list them in recording.column_names"),
             code=Code.CONTRADICTION,
         )
     aligned = is_aligned(sample, form.separator)

@@ -62,7 +62,7 @@ def session_layout(content: Content, head: Sequence[bytes], form: FileFormat) ->
         raise RecordingError(
             place=content.file,
             problem=problem,
-            remedy="save it again with its measured values",
+            remedy=phrase("trace_again", "save the trace again with its measured values"),
             code=Code.DAMAGED,
         )
     often = Counter(description for _, description in signals)
@@ -115,8 +115,8 @@ def _number(place: str, name: str, value: str) -> float:
         pass
     raise RecordingError(
         place=f"{place}, {shown(name)}",
-        problem=f"{shown(value)!r} is not a number",
-        remedy="save the trace again",
+        problem=phrase("not_a_number", "{value} is not a number", value=repr(shown(value))),
+        remedy=phrase("trace_save_again", "save the trace again"),
         code=Code.WRONG_KIND,
     )
 
