@@ -331,6 +331,10 @@ ERRORS = {
     "limit_falls": "{limit} fällt auf {worst} {unit}{at}, mindestens {bound} ist nötig",
     "limit_reaches": "{limit} erreicht {worst} {unit}{at}, erlaubt ist {bound}",
     "at_time": " bei {time} s",
+    "accelerates_as_hard": "keine zulässige Bewegung: {limit}, denn die Steuerung beschleunigt in jeder Bewegung so "
+    "stark, wie sie eingestellt ist",
+    "lower_or_path": "die Beschleunigungen in limits.motion und in der Steuerung senken, länger suchen oder eine Bahn "
+    "planen (Spline, Fourier-Reihe)",
     "smaller_box": "diesen Kasten in {table}.keep_out verkleinern",
     "narrow_joints": (
         "position_deg in {joints} enger angeben, die Körper in machine.chain berichtigen oder in may_touch nennen"

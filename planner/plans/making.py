@@ -9,12 +9,14 @@ from numbers import Real
 from cases.base.errors import Code, HexciteError, IdentificationError, InfeasiblePlan, Interrupted, choice
 from cases.base.phrases import phrase
 from cases.schema import Case
-from identification.limits.limit import UNUSED_SHARE, LimitKind
+from identification.limits.limit import UNUSED_SHARE, LimitKind, LimitReport
 from identification.limits.proof import PROOF_RATE, prove
 from identification.model.model import identification_model
 from identification.model.parameters import physical_form
+from identification.motion.motion import Trajectory
 from planner.controller_limits import controlled, with_steps
 from planner.families.plan_settings import SequenceSettings
+from planner.families.ptp import PointToPointFamily
 from planner.families.settings import Best
 from planner.plans.plan import Plan
 from planner.plans.rating import PlannedMotion, rated_plan
@@ -32,6 +34,7 @@ from planner.search.rounds import Rounds, without_failures
 from planner.search.solving import QUICK_RATE, Start, limited_as_searched
 
 ENDING = 3.0  # [s] at the end of a search of some seconds for proof, figures and page, but half of it at most
+OF_THE_WAY = 0.5  # share to which moves by a controller's law are shrunk, at least: shorter ones are as hard
 BETWEEN = 1e-5  # share of a limit that may be used between the instants at which a refined motion was checked
 
 
@@ -117,19 +120,71 @@ def search(request: Request, case: Case, listener: Listener, run: Runner, began:
         if ended_early and not out_of_time:
             raise Interrupted
         raise InfeasiblePlan(problem=failed[0].reason, code=Code.INFEASIBLE)
-    best = starts[0]
-    unknowns = best.unknowns
-    if not best.record.refined:  # it was checked at few instants: at more of them first, at those of the proof then
-        unknowns = keep_limits(limited_as_searched(rounds.case, best.family), best.family, unknowns, QUICK_RATE)[0]
-    motion = best.family.motion(unknowns)
-    report = with_steps(prove(motion, case), step_time)
-    if report.worst_ratio > 1.0 - UNUSED_SHARE + BETWEEN:
-        motion = best.family.motion(keep_limits(rounds.case, best.family, unknowns, PROOF_RATE)[0])
-        report = with_steps(prove(motion, case), step_time)
+    reasons = list[InfeasiblePlan]()
+    for best in starts:
+        try:
+            motion, report = _proven(best, rounds.case, case, step_time)
+            break
+        except InfeasiblePlan as error:
+            reasons.append(error)
+    else:
+        raise reasons[0]
+    beyond = starts[: len(reasons)]
+    failed += tuple(Failed(s.record.seed, e.message) for s, e in zip(beyond, reasons, strict=True))
     without = LimitKind.JERK if step_time else None
     settings = best.family.found(best.unknowns).model_copy(update={"made_for": made_for, "without": without})
     interrupted = ended_early and not out_of_time
-    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, out_of_time)
+    kept = tuple(starts[len(reasons) :])
+    return PlannedMotion(motion, settings, report, kept, failed, interrupted, out_of_time)
+
+
+def _proven(start: Start, searched: Case, case: Case, step_time: float) -> tuple[Trajectory, LimitReport]:
+    """The motion of a start, drawn back where instants that it was not checked at ask for that, and its proof.
+
+    Args:
+        searched: the case with the limits that were searched by.
+        case: the case with all of its limits.
+        step_time: within which accelerations step, 0 where jerks are limited [s].
+
+    Raises:
+        InfeasiblePlan: a controller that times moves itself would exceed a limit in any motion of their kind.
+    """
+    family, unknowns = start.family, start.unknowns
+    by_law = isinstance(family, PointToPointFamily) and family.own_law
+    if by_law:
+        family = family.refined(unknowns)  # an exploration may be slower than the law
+    whole, share = family.motion(unknowns), 1.0
+    try:
+        if (
+            not start.record.refined
+        ):  # it was checked at few instants: at more of them first, at those of the proof then
+            unknowns, share = keep_limits(limited_as_searched(searched, family), family, unknowns, QUICK_RATE)
+        motion = family.motion(unknowns)
+        report = with_steps(prove(motion, case), step_time)
+        if report.worst_ratio > 1.0 - UNUSED_SHARE + BETWEEN:
+            unknowns, more = keep_limits(searched, family, unknowns, PROOF_RATE)
+            motion, share = family.motion(unknowns), share * more
+            report = with_steps(prove(motion, case), step_time)
+    except InfeasiblePlan:
+        if not by_law:
+            raise
+        share = 0.0
+    if by_law and share < OF_THE_WAY:
+        worst = max(prove(whole, searched).checks, key=lambda check: check.ratio)
+        raise InfeasiblePlan(
+            problem=phrase(
+                "accelerates_as_hard",
+                "no feasible motion: {limit}, for the controller accelerates as hard as it is set up in every move",
+                limit=worst.sentence(),
+            ),
+            remedy=phrase(
+                "lower_or_path",
+                "lower the accelerations of limits.motion and of the controller's set-up, search for longer, or plan a "
+                "path (spline, Fourier series)",
+            ),
+            code=Code.INFEASIBLE,
+        )
+    return motion, report
 
 
 def make(request: Request, case: Case, listener: Listener, run: Runner, began: float | None = None) -> Plan:

@@ -354,15 +354,31 @@ class _Run:
 
         The motion itself; where it had to shrink to less than a share, or is outside its bounds, the closest inside, if
         that is better. A stopped exploration is shrunk: it is worth little, and others may be done.
+
+        Raises:
+            InfeasiblePlan: neither is inside.
         """
         within = np.clip(unknowns, self.program.lower, self.program.upper)
-        shrunk = self.feasible(within)
-        at_hand = shrunk[1] >= share and self.program.outside(unknowns) < SLIPPED
-        if at_hand or (self.stopped and not self.task.refine):
+        shrunk, none = None, None
+        try:
+            shrunk = self.feasible(within)
+        except InfeasiblePlan as error:  # a controller that times moves itself accelerates as hard in shorter ones
+            none = error
+        at_hand = shrunk is not None and shrunk[1] >= share and self.program.outside(unknowns) < SLIPPED
+        if shrunk is not None and (at_hand or (self.stopped and not self.task.refine)):
             return within, shrunk
+        if none is not None and self.stopped:
+            raise none
         bound = 1.0 - UNUSED_SHARE - SLIPPED
         closest = closest_inside(self.program, self.case, self.family, unknowns, bound)
-        restored = self.feasible(closest)
+        try:
+            restored = self.feasible(closest)
+        except InfeasiblePlan:
+            if shrunk is None:
+                raise
+            return within, shrunk
+        if shrunk is None:
+            return closest, restored
         better = self.rate(restored[0], self.program.letter) > self.rate(shrunk[0], self.program.letter)
         return (closest, restored) if better else (within, shrunk)
 

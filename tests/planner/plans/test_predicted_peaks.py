@@ -6,18 +6,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.base.errors import InfeasiblePlan
 from cases.schema import Case, load_case
 from identification.limits.limit import TOLERANCE, LimitCheck, LimitKind, Status
+from identification.limits.proof import prove
 from identification.motion.moves import StraightMove, fastest_profile, limits_along
 from planner import plan
 from planner.controller_limits import controlled, times_itself
 from planner.families.ptp import LAW, PointToPointFamily, _law
 from planner.families.settings import PointToPoint
+from planner.plans.making import _proven
+from planner.search.record import SolverStatus, StartRecord
+from planner.search.solving import Start
 from postprocessors.program import dialect, leaving_out
 from postprocessors.reading import Reading
 from postprocessors.writing import proven_program
 from tests.bench.machines.description import write_machine
 from tests.bench.portfolio import machine
+from tests.helpers import tells
 from tests.random_start import random_start
 
 SECONDS, MOVES = 3.0, 8
@@ -48,7 +54,12 @@ def counted(case: Case, controller: str, settings: PointToPoint) -> Iterator[Lim
 @pytest.mark.repeats
 @pytest.mark.parametrize(
     ("seed", "controller", "without"),
-    [(3, "sinumerik", None), (90201, "twincat", None), (90201, "linuxcnc", LimitKind.JERK)],
+    [
+        (3, "sinumerik", None),
+        (90201, "twincat", None),
+        (90201, "linuxcnc", LimitKind.JERK),
+        (2611282, "linuxcnc", LimitKind.JERK),  # of which no motion is inside by being shrunk
+    ],
 )
 def test_no_peak_is_predicted_beyond_its_limit(seed: int, controller: str, without: str | None, tmp_path: Path):
     """Struts of these machines are slower than their poses: a controller that accelerates harder than planned shows."""
@@ -57,6 +68,23 @@ def test_no_peak_is_predicted_beyond_its_limit(seed: int, controller: str, witho
     assert any(check.kind is LimitKind.STRUT_ACCELERATION and check.ratio > 0.7 for check in checks)
     for check in checks:
         assert check.ratio <= 1.0 + TOLERANCE, check.sentence()
+
+
+def test_an_exploration_that_only_slower_accelerations_keep_inside_is_no_plan(hexapod_case: Case):
+    """As it stands it is well inside; the controller would make it with accelerations that struts do not bear."""
+    box = hexapod_case.limits.motion
+    weak = hexapod_case.with_reserve(1.0 - 0.6 * box.acceleration[2] / box.strut_acceleration_m_s2)
+    case, step_time = controlled(weak, "linuxcnc")
+    free = PointToPointFamily.of(case, MOVES, SECONDS, own_law=True)
+    start = free.shrunk(random_start(free, np.random.default_rng(2), lambda _: 0.0), 0.3)
+    assert prove(free.motion(start), case).kept
+    record = StartRecord(
+        seed=5, refined=False, logdet=0.0, criterion_value=0.0, solver=SolverStatus.NOT_RUN, converged=False,
+        iterations=0, seconds=0.0,
+    )  # fmt: skip
+    with pytest.raises(InfeasiblePlan) as caught:
+        _proven(Start(record, start, free, 1.0, start, 0.0), case, weak, step_time)
+    assert tells(str(caught.value), "strut acceleration", "controller", "limits.motion")
 
 
 def test_only_a_controller_that_accelerates_by_its_set_up_times_moves_itself(hexapod_case: Case, tmp_path: Path):
