@@ -35,6 +35,9 @@ from planner.search.solving import QUICK_RATE, Start, limited_as_searched
 
 ENDING = 3.0  # [s] at the end of a search of some seconds for proof, figures and page, but half of it at most
 OF_THE_WAY = 0.5  # share to which moves by a controller's law are shrunk, at least: shorter ones are as hard
+PEAKS = (
+    4e-3  # share of what struts and sensors bear that peaks of moves by a controller's law may have between instants
+)
 BETWEEN = 1e-5  # share of a limit that may be used between the instants at which a refined motion was checked
 
 
@@ -158,7 +161,9 @@ def _proven(start: Start, searched: Case, case: Case, step_time: float) -> tuple
         if (
             not start.record.refined
         ):  # it was checked at few instants: at more of them first, at those of the proof then
-            unknowns, share = keep_limits(limited_as_searched(searched, family), family, unknowns, QUICK_RATE)
+            quick = limited_as_searched(searched, family)
+            quick = quick.with_reserve(PEAKS) if by_law else quick
+            unknowns, share = keep_limits(quick, family, unknowns, QUICK_RATE)
         motion = family.motion(unknowns)
         report = with_steps(prove(motion, case), step_time)
         if report.worst_ratio > 1.0 - UNUSED_SHARE + BETWEEN:
