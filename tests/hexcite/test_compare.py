@@ -208,7 +208,7 @@ def test_deviations_do_not_choose_among_models_of_one_run(hexapod_case: Case):
     small = changed(replace(full, name="small", parameters=entry(hexapod_case, "", 0.1, 12.0).parameters), model=2)
     advice = recommend([[full, small]])
     assert (advice.best, advice.ratios) == (None, {})
-    assert tells(advice.sentences[0], "full, small", "models of one run", "--model all")
+    assert tells(advice.sentences[0], "full, small", "models of one run", "with all models")
     others = [[entry(hexapod_case, name, std, 12.0)] for name, std in (("a", 0.3), ("b", 0.4))]
     assert recommend([[full, small], *others]).best == "a"
 
