@@ -45,5 +45,6 @@ def test_core_commands_run_without_what_only_posix_has(tmp_path: Path) -> None:
     script = tmp_path / "without.py"
     script.write_text(WITHOUT.replace("COMMANDS", repr(COMMANDS)), encoding="utf-8")
     run = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=600)
-    assert (run.returncode, run.stderr) == (0, "")
+    said = [line for line in run.stderr.splitlines() if not line.startswith("searching: ")]  # of a slow computer
+    assert (run.returncode, said) == (0, [])
     assert {p.name for p in tmp_path.iterdir()} >= {"plan", "searched", "p.ngc", "run", "result", "cmp", "poses"}
