@@ -56,6 +56,15 @@ def std_text(std: float) -> str:
     return f"{std:#.2g}" if decimals is None else f"{std:.{decimals}f}"
 
 
+def two_digits(value: float) -> str:
+    """A number with two digits, a large one whole and without an exponent.
+
+    >>> two_digits(7.04), two_digits(512.3)
+    ('7', '512')
+    """
+    return f"{value:.2g}" if abs(value) < 99.5 else f"{value:.0f}"
+
+
 def with_deviation(value: float, std: float) -> str:
     """A value with its standard deviation, both rounded to two digits of the deviation."""
     return f"{value_text(value, std)} ± {std_text(std)}"

@@ -21,6 +21,7 @@ from identification.model.model import Model
 from identification.recording.recording import Recording
 from identification.samples.sample_checks import cut_off, places
 from identification.samples.samples import Fitted
+from identification.texts import two_digits
 
 REMEMBERED = 1.5  # of robust to white standard deviations, from which noise with memory is worth a note
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that explains less does not belong to the run
@@ -41,7 +42,7 @@ def note_memory(recording: Recording, case: Case, fitted: Fitted) -> list[Findin
         "noise_memory",
         "noise is not white: the deviation of {name} is {times} times that of white noise; +- counts it",
         name=fitted.samples.model.names[worst],
-        times=f"{ratio[worst]:.2g}",
+        times=two_digits(ratio[worst]),
     )
     return [note(Kind.NOISE, sentence, noise_memory=float(ratio[worst]))]
 

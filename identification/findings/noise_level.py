@@ -16,6 +16,7 @@ from identification.model.stated_noise import noise_covariance
 from identification.recording.recording import Recording
 from identification.samples.samples import Fitted, MotionOfSamples, Samples
 from identification.signals import white_noise
+from identification.texts import two_digits
 
 LOUD = 1.5  # times the stated noise: more than what a statement is usually wrong by, a fifth
 FAR_ABOVE = 3.0  # times the stated noise: no statement is so wrong, the residuals have another cause
@@ -219,8 +220,8 @@ def _excess_words(noise: Array, noise_of_case: Array, limit: float, case: Case) 
         "residuals of {channels} are {times} times the white noise that the case states: {noise} {unit} where {key} "
         "makes {stated} {unit}",
         channels=phrase("and_also", "{channel} (also {others})", channel=channel, others=names) if others else channel,
-        times=f"{excess[worst]:.2g}",
-        noise=f"{noise[worst]:.2g}",
+        times=two_digits(excess[worst]),
+        noise=two_digits(noise[worst]),
         stated=f"{noise_of_case[worst]:.2g}",
         unit=unit,
         key=key,

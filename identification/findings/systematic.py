@@ -30,7 +30,7 @@ from identification.findings.told import Told
 from identification.findings.tolerances import Share, shares_of, without_tolerances
 from identification.model.parameters import offset_columns
 from identification.samples.samples import Fitted, MotionOfSamples
-from identification.texts import parameter_phrase, with_deviation
+from identification.texts import parameter_phrase, two_digits, with_deviation
 
 CERTAIN = 1e-7  # chance below which an alternative is seen: some seventy are tried in each run
 SUSPICIOUS = 5e-4  # chance from which on it counts in the deviations: one sound run in thirty has one
@@ -298,7 +298,7 @@ def systematic_findings(case: Case, fitted: Fitted, systematic: Systematic | Non
             "{sentence}. Deviations allow for it: that of {name} is {times} times that of noise alone",
             sentence=sentence,
             name=names[worst],
-            times=f"{growth[worst]:.2g}",
+            times=two_digits(growth[worst]),
         )
     quantity = [
         {
@@ -348,7 +348,7 @@ def _suspicion(fitted: Fitted, suspected: Suspected | None) -> list[Finding]:
         runs=f"{runs:.0f}",
         tried=suspected.tried,
         name=names[worst],
-        times=f"{growth[worst]:.2g}",
+        times=two_digits(growth[worst]),
     )
     entry = {"key": effect.alternative.key, "chance": effect.chance, "tried": suspected.tried}
     return [note(Kind.MODEL, sentence, suspected=entry | {"growth": float(growth[worst])})]

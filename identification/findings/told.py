@@ -38,7 +38,7 @@ from identification.findings.off_case import SHOWABLE, Size, remedies_of, remedy
 from identification.findings.remains import excerpt_of, free_basis, remainder_of
 from identification.findings.tolerances import Share, shares_of
 from identification.samples.samples import Fitted
-from identification.texts import with_deviation
+from identification.texts import two_digits, with_deviation
 
 FAINT = 0.02  # of the noise of a score, as variance: below it nothing is told in a direction
 WORTH = 0.95  # of a deviation by least squares alone, to which estimated sizes have to lower one
@@ -346,7 +346,7 @@ def _contradictions(told: Told, named: list[Size]) -> list[Finding]:
             "as stated (of machines that are as stated {rare} so much), and of {tried} sizes none stands out. State "
             "larger ones, or measure the machine",
             keys=enumerated("comma", [f"tolerances.{share.key}" for share in told.shares]),
-            times=f"{times:.2g}",
+            times=two_digits(times),
             rare=_rare(chance),
             tried=count,
         )

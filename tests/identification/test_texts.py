@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from identification.texts import carries_rods, parameter_words, std_text, value_text, with_deviation
+from identification.texts import carries_rods, parameter_words, std_text, two_digits, value_text, with_deviation
 
 
 @pytest.mark.parametrize(
@@ -52,3 +52,10 @@ def test_a_body_that_carries_rods_is_called_so():
     assert parameter_words("h", True) == "first moment of a rod (h)"
     assert parameter_words("h_3") == "first moment of a rod, strut 3 (h_3)"
     assert parameter_words("tP") == "Coulomb friction of a platform joint (tP)"
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(0.034, "0.034"), (7.0, "7"), (12.3, "12"), (99.7, "100"), (102.0, "102"), (5120.4, "5120")]
+)
+def test_large_numbers_have_no_exponent(value: float, shown: str) -> None:
+    assert two_digits(value) == shown
