@@ -78,8 +78,8 @@ def standing_mean(values: Array) -> StandingMean:
     """
     count = len(values)
     off = values - values.mean(axis=0)
-    size = max(count // STRETCHES, 1)
-    stretches = min(count // size, STRETCHES)
+    size = -(-count // STRETCHES)  # so long that nearly all samples are in one
+    stretches = count // size
     means = off[: stretches * size].reshape(stretches, size, -1).mean(axis=1)
     # what channels have in common, by steps between stretches: slow noise itself would be alike in any few channels
     steps = np.diff(means, axis=0)
