@@ -22,6 +22,9 @@ RUNS = [(a, kind) for a in ("gen3_like", "franka_like") for kind in ("bag", "csv
 RUNS += [("ur16e_like", kind) for kind in ("bag", "csv", "rtde")]
 WORST = 3.5  # reported deviations: a parameter of these few hundred is that far off by chance once in two thousand
 SEEDS = 20
+FARTHEST = (
+    4.0  # of all these seeds, arms and files: of 2240 that are normal the farthest is beyond 3.5 two times in three
+)
 TURN = 1.0  # standard deviation of each angle of a sensor that is mounted by hand [deg]
 
 
@@ -48,7 +51,7 @@ def test_load_and_offsets_are_what_the_arm_carried(name: str, kind: str, arm: Ca
 def test_intervals_hold_the_truth_over_seeds(name: str, kind: str, arm: Callable[[str], Driven]) -> None:
     """Each seed is another day: other drives, other friction, other noise."""
     deviations = np.abs([found(arm(name).again(seed), kind, seed) for seed in range(SEEDS)])
-    assert deviations.max() < WORST
+    assert deviations.max() < FARTHEST
     assert 0.92 < np.mean(deviations < 1.96) < 0.98
 
 
