@@ -240,6 +240,11 @@ class Chain(Part):
         return frozen([joint.unit for joint in self.joints])
 
     @property
+    def has_bodies(self) -> bool:
+        """Whether something that moves is kept clear of boxes and of other bodies."""
+        return bool(self.tool) or any(joint.bodies for joint in self.joints)
+
+    @property
     def limits_effort(self) -> bool:
         """Whether torques of drives are limited: they can be where every link's inertia is stated."""
         efforts = any(math.isfinite(joint.effort) for joint in self.joints)

@@ -66,13 +66,16 @@ def _separated(one: Array, other: Array) -> tuple[Array, Array]:
     return best, along
 
 
-def least_separation(one: Array, other: Array, bound: Array) -> Array:
+def least_separation(one: Array, other: Array, bound: Array, enough: Array | float = math.inf) -> Array:
     """`separation`, exact at the instant where it is least; elsewhere a lower bound that is not below that, shape (n,).
 
     Args:
         one, other: as for `separation`, at instants in the order of time.
         bound: a lower bound that is known, shape (n,) [m].
+        enough: distance from which a lower bound will do, shape (n,) or a number [m].
     """
+    if np.all(bound >= enough):
+        return bound
     some = np.unique(np.append(np.arange(0, len(bound), STRIDE), np.argmin(bound)))
     exact, along = _separated(one[some], other[some])
     # What separates bodies at an instant does so at those beside it, a little less.
@@ -80,7 +83,7 @@ def least_separation(one: Array, other: Array, bound: Array) -> Array:
     gaps = np.einsum("npi,ni->np", one, neighbours).min(axis=1) - np.einsum("npi,ni->np", other, neighbours).max(axis=1)
     result = np.maximum(bound, np.where(neighbours.any(axis=1), gaps, -np.inf))
     result[some] = np.maximum(bound[some], exact)
-    smaller = result < result[some].min()
+    smaller = (result < result[some].min()) & (result < enough)
     smaller[some] = False
     if smaller.any():
         result[smaller] = np.maximum(result[smaller], separation(one[smaller], other[smaller]))

@@ -216,7 +216,7 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
     Bodies of one link, or of two that meet, may touch. The share is 1 at the surface and above 1 inside. For a box it
     falls to 0 at a distance of half the box's diagonal, for two bodies at the sum of their radii.
     """
-    if not chain.tool and not any(joint.bodies for joint in chain.joints):
+    if not chain.has_bodies:
         return
     count = len(t)
     still = np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4))
@@ -246,20 +246,25 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
             tuple(f"{a.name}, {b.name}" for a, b in pairs),
             np.array([a.radius + b.radius for a, b in pairs]),
         )
-        distances = np.column_stack([_between(a, b) for a, b in pairs])
-        yield Quantity.clear(Limit(LimitKind.DISTANCE_BETWEEN_LINKS), labels, distances, reach)
+        yield Quantity.clear(Limit(LimitKind.DISTANCE_BETWEEN_LINKS), labels, _between_all(pairs), reach)
 
 
 def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: Array) -> _Body:
     """A body in {B}, and its way in half a step, shape (n,) [s]: no point between others is faster than all of them."""
-    places = [[frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.points] for frame in frames]
-    speed, acceleration = (np.linalg.norm(rates, axis=2).max(axis=0) for rates in places[1:])
+    points = np.array(body.points).T
+    corners = frames[0][:, :3, :3] @ points + frames[0][:, :3, 3, None]
+    speed, acceleration = (_fastest(frame[:, :3, :3] @ points + frame[:, :3, 3, None]) for frame in frames[1:])
     way = (speed + acceleration * half / 2) * half
     if body.corners_mm is None:
-        return _Body(link, body.name, places[0][0], places[0][1], body.radius, way, None, 0.0)
+        return _Body(link, body.name, corners[:, :, 0], corners[:, :, 1], body.radius, way, None, 0.0)
     start, end = (frames[0][:, :3, :3] @ point + frames[0][:, :3, 3] for point in body.axis)
-    corners = np.stack(places[0], axis=1)
-    return _Body(link, body.name, start, end, body.radius, way, corners, body.radius_mm * MM)
+    every = np.ascontiguousarray(corners.transpose(0, 2, 1))
+    return _Body(link, body.name, start, end, body.radius, way, every, body.radius_mm * MM)
+
+
+def _fastest(vectors: Array) -> Array:
+    """Length of the longest of vectors, shape (n, 3, k), at each instant, shape (n,)."""
+    return np.asarray(np.sqrt(np.einsum("nik,nik->nk", vectors, vectors).max(axis=1)))
 
 
 def _from_box(body: _Body, box: KeepOut) -> Array:
@@ -281,13 +286,21 @@ def _from_box(body: _Body, box: KeepOut) -> Array:
 FAR = 1e3  # [m] beyond every corner, where the open sides of boxes are
 
 
-def _between(one: _Body, other: _Body) -> Array:
-    """Distance of two bodies, shape (n,) [m]; of convex ones where they are closest, elsewhere less."""
-    distance = _of_capsules(one, other)
-    if one.corners is not None or other.corners is not None:
-        more = one.rounding + other.rounding
-        distance = least_separation(one.points, other.points, distance + more) - more
-    return np.asarray(distance - one.way - other.way)
+def _between_all(pairs: Sequence[tuple[_Body, _Body]]) -> Array:
+    """Distances of pairs of bodies, shape (n, pairs) [m]; of convex ones of the closest where they are, else less.
+
+    Those whose capsules come closest go first: of pairs whose capsules stay farther apart than these do, capsules do.
+    """
+    distances = np.column_stack([_of_capsules(a, b) - a.way - b.way for a, b in pairs])
+    least = np.inf
+    for k in np.argsort(distances.min(axis=0)):
+        one, other = pairs[k]
+        if one.corners is not None or other.corners is not None:
+            more = one.rounding + other.rounding + one.way + other.way
+            points = one.points, other.points
+            distances[:, k] = least_separation(*points, distances[:, k] + more, least + more) - more
+        least = min(least, float(distances[:, k].min()))
+    return distances
 
 
 def _of_capsules(one: _Body, other: _Body) -> Array:

@@ -17,7 +17,7 @@ from cases.base.convex import separation
 from cases.base.units import Array
 from cases.chain import Chain
 from cases.machine import Tool
-from identification.limits.limit import LimitKind
+from identification.limits.limit import Limit, LimitKind
 from identification.machines.machine import Share
 
 ROUNDING = 0.003  # [m] by about which corners of boxes are rounded
@@ -74,6 +74,19 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
         (LimitKind.DISTANCE_FROM_BOX, 0, ca.exp((k - distance) / VICINITY))
         for k, distance in zip(margins, distances, strict=True)
     ]
+
+
+def clearance_names(chain: Chain) -> list[str]:
+    """Names of the limits of `clearance_shares` in its order, as a proof names them."""
+    still = (ca.SX(3, 1), ca.SX.eye(3))
+    bodies = [(link, body.name) for link, _, body in bodies_of(chain, [still] * (len(chain.joints) + 1))]
+    names = []
+    for k, (link, name) in enumerate(bodies):
+        if link:
+            names += [Limit(LimitKind.DISTANCE_FROM_BOX, box.name).at(name) for box in chain.keep_out]
+        apart = [n for other_link, n in bodies[k + 1 :] if chain.keeps_apart(link, name, other_link, n)]
+        names += [Limit(LimitKind.DISTANCE_BETWEEN_LINKS).at(f"{name}, {other}") for other in apart]
+    return names
 
 
 def bodies_of(chain: Chain, frames: Sequence[tuple[ca.SX, ca.SX]]) -> list[tuple[int, tuple[ca.SX, ca.SX], Tool]]:

@@ -23,9 +23,11 @@ class Kernel:
     Args:
         variables: the symbol, shape (d,).
         values: the expression, shape (r,).
+        name: of the limit whose shares they are, as a proof names it; empty where it has no name of its own.
     """
 
-    def __init__(self, variables: ca.SX, values: ca.SX) -> None:
+    def __init__(self, variables: ca.SX, values: ca.SX, name: str = "") -> None:
+        self.name = name
         self.variables, self.expression = variables, ca.densify(ca.cse(values))
         self.size = int(values.shape[0])
         self._last: tuple[Array, Array, Array] | None = None

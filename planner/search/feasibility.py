@@ -22,13 +22,23 @@ SMALLEST = 1e-6  # share of all distances below which nothing moves
 
 
 def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tuple[Array, float]:
+    """The same as `shrunk_inside`, however small the motion becomes."""
+    inside = shrunk_inside(case, family, unknowns, rate, 0.0)
+    assert inside is not None
+    return inside
+
+
+def shrunk_inside(case: Case, family: Family, unknowns: Array, rate: float, least: float) -> tuple[Array, float] | None:
     """Shrinks a motion towards the box's middle until it satisfies every limit, less a margin, on a grid of `rate`.
 
     The steps grow from small to large: strut lengths need not fall on the way, so that a smaller motion is not always
     further inside. They are at least as long as a limit asks for that is proportional to distances, as most are.
 
+    Args:
+        least: share of its distances below which it is given up.
+
     Returns:
-        Unknowns of the motion inside, and its distances over those before it was shrunk.
+        Unknowns of the motion inside, and its distances over those before it was shrunk; None where it is given up.
 
     Raises:
         InfeasiblePlan: the motion exceeds a limit even where hardly anything moves; the message names the limit.
@@ -53,6 +63,8 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
         reduction = share * over / (1.0 + over) + ASIDE if np.isfinite(over) else 0.0  # most limits are proportional
         share -= min(max(step, reduction), share / 2)
         step *= 2
+        if share < least:
+            return None
     for number in count():
         failed, over_there = outside
         if failed - share <= CLOSE_ENOUGH:

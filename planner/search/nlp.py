@@ -4,7 +4,7 @@ The criterion couples all unknowns, so that its second derivative is full; yet i
 (`planner.search.objective`): one of rank u (u + 1) / 2 in the information, and a sum over states of small matrices.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -119,6 +119,16 @@ class NonlinearProgram:
             elif k >= before:
                 part = replace(part, bound=part.bound * factors[4 + k - before])
             rows.append(part)
+        return replace(self, rows=tuple(rows))
+
+    def bounded(self, bounds: Mapping[str, float]) -> "NonlinearProgram":
+        """The program with further bounds of the shares of some non-linear limits, by their names."""
+        before = len(self.rows) - len(self.limits)
+        rows = list(self.rows)
+        for k, kernel in enumerate(self.limits, before):
+            part = rows[k]
+            assert isinstance(part, StateRows)
+            rows[k] = replace(part, bound=min(part.bound, bounds.get(kernel.name, part.bound)))
         return replace(self, rows=tuple(rows))
 
     @cached_property

@@ -15,6 +15,7 @@ from cases.schema import Case
 from identification.estimation.criteria import box_middle
 from identification.limits.limit import LimitKind
 from identification.limits.sensor_loads import SHARE
+from identification.machines.clearance import clearance_names
 from identification.machines.of_case import machine_of
 from identification.model.model import Model, identification_model
 from identification.model.parameters import nominal_parameters
@@ -111,7 +112,11 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> Limits:
         *machine_of(case).shares(case, *motion),
         *((LimitKind.SENSOR_FORCE, 2, f) for f in _sensor_forces(case, loads, *motion)),
     ]
-    return tuple((kind, order, Kernel(state, share)) for kind, order, share in groups)
+    names = [] if case.chain is None else clearance_names(case.chain)  # those of the first
+    names += [""] * (len(groups) - len(names))
+    return tuple(
+        (kind, order, Kernel(state, share, name)) for (kind, order, share), name in zip(groups, names, strict=True)
+    )
 
 
 @lru_cache(maxsize=2)

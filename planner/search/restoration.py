@@ -9,13 +9,16 @@ unknowns: its second derivatives are sparse, and an iteration costs a fraction o
 
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from cases.base.units import Array, Indices
 from cases.schema import Case
-from identification.limits.limit import UNUSED_SHARE
+from identification.limits.limit import UNUSED_SHARE, LimitReport
 from identification.limits.proof import prove
+from identification.machines.clearance import VICINITY
+from identification.motion.motion import Trajectory
 from planner.families.family import Family
 from planner.families.rows import PacedRows, StateRows
 from planner.families.states import SHARE
@@ -27,6 +30,7 @@ ROUNDS = 5  # of solving, with more rows or tighter ones where the motion still 
 ITERATIONS = 30  # of each round: most end after 10 to 20
 CONSTRAINED = 0.6  # share of a limit above which an instant has a row
 LOWERED, SLIP = 3.0, 1e-4  # times what only the proof sees, and share more, by which all bounds are lowered then
+APART = 2e-3  # [m] by which bodies are kept further apart where rows did not see how near they are
 EASE = 1e-3  # share of the mean curvature that moving has where it does not change the regressor
 _AT_HAND: Barrier = (1e-6, 0.2, 1.5)  # distances squared are small, and the start is close by
 
@@ -91,8 +95,15 @@ class ClosestProgram(NonlinearProgram):
         return np.asarray(total[self.hessian_pattern])
 
 
-def closest_inside(program: NonlinearProgram, case: Case, family: Family, unknowns: Array, bound: float) -> Array:
-    """Unknowns of a motion close by that satisfies every limit, or nearly where there is none so close.
+class Closest(NamedTuple):
+    """A motion close by that satisfies every limit, or nearly where there is none so close."""
+
+    unknowns: Array  # shape (n,)
+    bounds: dict[str, float]  # bounds of shares of some non-linear limits, by name, that their rows need
+
+
+def closest_inside(program: NonlinearProgram, case: Case, family: Family, unknowns: Array, bound: float) -> Closest:
+    """The closest motion inside.
 
     Args:
         program: with all limits that can bind; rows are chosen here.
@@ -101,15 +112,21 @@ def closest_inside(program: NonlinearProgram, case: Case, family: Family, unknow
         bound: share of each limit that rows allow at first.
     """
     program, start = program.with_rows_near(unknowns, CONSTRAINED, CONSTRAINED), unknowns
+    bounds: dict[str, float] = {}
     for _ in range(ROUNDS):
         closest, _, _ = solve(ClosestProgram.of(program, start), unknowns, ITERATIONS, lambda _: False, _AT_HAND)
         if not np.isfinite(closest).all():
             break
         unknowns = np.clip(closest, program.lower, program.upper)
         motion = family.once.motion(unknowns)
-        over = prove(motion, case, CHECK_RATE).worst_ratio - (1.0 - UNUSED_SHARE)
+        report = prove(motion, case, CHECK_RATE)
+        over = report.worst_ratio - (1.0 - UNUSED_SHARE)
         if over <= 0.0 or not np.isfinite(over):
             break
+        if nearer := _nearer_than_rows(program, motion, report):
+            bounds |= nearer
+            program = program.with_rows_above(unknowns, CONSTRAINED).bounded(nearer)
+            continue
         shares = largest_shares(program, motion, case)
         between = program.worst(unknowns) <= bound + INSIDE
         program = program.with_rows_above(unknowns, CONSTRAINED)
@@ -117,4 +134,21 @@ def closest_inside(program: NonlinearProgram, case: Case, family: Family, unknow
             program = program.tightened([bound + LOWERED * over + SLIP] * len(shares), bound)
         elif between:
             program = program.tightened(shares, bound)
-    return unknowns
+    return Closest(unknowns, bounds)
+
+
+def _nearer_than_rows(program: NonlinearProgram, motion: Trajectory, report: LimitReport) -> dict[str, float]:
+    """Bounds of the shares of distances that the rows judge by capsules, where the proof finds bodies nearer.
+
+    That of a pair of bodies alone is lowered, to what the rows see where these come closest, and by what is missing.
+    """
+    bounds = {}
+    for kernel in program.limits:
+        check = next((c for c in report.checks if c.name == kernel.name and c.ratio > 1.0 - UNUSED_SHARE), None)
+        if check is None:
+            continue
+        at = motion.at(np.array([check.time]))
+        state = np.hstack([at.coordinates, at.rates, at.accelerations, np.zeros((1, 1))])
+        seen = float(np.abs(kernel.values(state)).max())
+        bounds[kernel.name] = seen * float(np.exp((check.worst / check.kind.scale - APART) / VICINITY))
+    return bounds

@@ -31,7 +31,7 @@ from planner.noise import (
 )
 from planner.request import Solver
 from planner.search.annealing import TEMPERATURES, annealed_start
-from planner.search.feasibility import keep_limits, require_rest
+from planner.search.feasibility import keep_limits, require_rest, shrunk_inside
 from planner.search.nlp import regressor_kernel
 from planner.search.problem import build_program
 from planner.search.record import Failed, SolverStatus, StartRecord
@@ -344,41 +344,49 @@ class _Run:
             return unknowns
         return np.asarray(np.clip(solution, program.lower, program.upper))
 
+    @property
+    def rate_of_checks(self) -> float:
+        """Rate at which motions are shrunk [1/s]."""
+        # Bodies are looked at with the way that they go until half way to the next instant, which is long at few.
+        apart = self.case.chain is not None and self.case.chain.has_bodies
+        return QUICK_RATE if self.task.refine or apart else COARSE_RATE
+
     def feasible(self, unknowns: Array) -> tuple[Array, float]:
         """Unknowns of the motion shrunk inside every limit, and the share to which it was shrunk."""
-        rate = QUICK_RATE if self.task.refine else COARSE_RATE
-        return keep_limits(self.case, self.family.once, unknowns, rate)
+        return keep_limits(self.case, self.family.once, unknowns, self.rate_of_checks)
 
     def inside(self, unknowns: Array, share: float) -> tuple[Array, tuple[Array, float]]:
         """A motion that satisfies its limits, or nearly, and the same as `feasible`.
 
-        The motion itself; where it had to shrink to less than a share, or is outside its bounds, the closest inside, if
-        that is better. A stopped exploration is shrunk: it is worth little, and others may be done.
+        The motion itself; where it had to shrink to less than a share, or is outside its bounds, the closest inside.
+        Where that has to shrink as much, the better of both. A stopped exploration is shrunk: it is worth little, and
+        others may be done.
 
         Raises:
             InfeasiblePlan: neither is inside.
         """
         within = np.clip(unknowns, self.program.lower, self.program.upper)
-        shrunk, none = None, None
+        if self.stopped and not self.task.refine:
+            return within, self.feasible(within)
+        once, rate = self.family.once, self.rate_of_checks
+        if self.program.outside(unknowns) < SLIPPED:
+            hardly = shrunk_inside(self.case, once, within, rate, share)
+            if hardly is not None and hardly[1] >= share:
+                return within, hardly
+        bound = 1.0 - UNUSED_SHARE - SLIPPED
+        closest, bounds = closest_inside(self.program, self.case, self.family, unknowns, bound)
+        self.program = self.program.bounded(bounds)
+        restored = shrunk_inside(self.case, once, closest, rate, share)
+        if restored is not None:
+            return closest, restored
         try:
             shrunk = self.feasible(within)
-        except InfeasiblePlan as error:  # a controller that times moves itself accelerates as hard in shorter ones
-            none = error
-        at_hand = shrunk is not None and shrunk[1] >= share and self.program.outside(unknowns) < SLIPPED
-        if shrunk is not None and (at_hand or (self.stopped and not self.task.refine)):
-            return within, shrunk
-        if none is not None and self.stopped:
-            raise none
-        bound = 1.0 - UNUSED_SHARE - SLIPPED
-        closest = closest_inside(self.program, self.case, self.family, unknowns, bound)
+        except InfeasiblePlan:  # a controller that times moves itself accelerates as hard in shorter ones
+            return closest, self.feasible(closest)
         try:
             restored = self.feasible(closest)
         except InfeasiblePlan:
-            if shrunk is None:
-                raise
             return within, shrunk
-        if shrunk is None:
-            return closest, restored
         better = self.rate(restored[0], self.program.letter) > self.rate(shrunk[0], self.program.letter)
         return (closest, restored) if better else (within, shrunk)
 

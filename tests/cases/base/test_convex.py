@@ -92,6 +92,11 @@ def test_the_instant_where_bodies_are_closest_is_found_exactly() -> None:
     assert found.min() == pytest.approx(every.min(), abs=1e-9)
     assert np.all(found <= every + 1e-9)
     assert np.all(found >= known)
+    enough = every.min() + 0.3
+    rough = least_separation(one, other, known, enough)
+    assert rough.min() == pytest.approx(every.min(), abs=1e-9)
+    assert np.all(rough <= every + 1e-9)
+    assert least_separation(one, other, every, every.min()) is every  # nothing is nearer than what will do
 
 
 @settings(max_examples=examples(25), deadline=None)

@@ -1,24 +1,28 @@
 """A motion that exceeds limits is changed as little as they ask for, where shrinking it would lose nearly all of it."""
 
+from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.estimation.criteria import Criterion
-from identification.limits.limit import UNUSED_SHARE
+from identification.limits.limit import UNUSED_SHARE, Limit, LimitReport
 from identification.limits.proof import prove
+from identification.machines.clearance import VICINITY
 from identification.model.model import full_model
 from planner.families.family import Family
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
-from planner.search.restoration import ClosestProgram, closest_inside
+from planner.search.restoration import APART, ClosestProgram, _nearer_than_rows, closest_inside
 from planner.search.solving import QUICK_RATE, SLIPPED, Task, _Run, run_start
 from tests.bench.machines.description import case_of
 from tests.bench.machines.drawn import drawn
 
+ROBOTS = Path(__file__).parents[2] / "bench" / "robots"
 BOUND = 1.0 - UNUSED_SHARE - SLIPPED
 BEYOND = 1.05  # by which the motions here exceed their limits
 
@@ -84,7 +88,7 @@ def test_the_closest_motion_is_inside_and_closer_than_the_shrunk_one(number: int
     run = running(hexapod_case, families(hexapod_case)[number])
     outside = beyond(run)
     assert prove(run.family.once.motion(outside), hexapod_case, QUICK_RATE).worst_ratio > 1.01
-    closest = closest_inside(run.program, hexapod_case, run.family, outside, BOUND)
+    closest = closest_inside(run.program, hexapod_case, run.family, outside, BOUND).unknowns
     assert prove(run.family.once.motion(closest), hexapod_case, QUICK_RATE).worst_ratio <= 1.0
     shrunk, share = run.feasible(outside)
     assert share < 0.99
@@ -99,10 +103,35 @@ def test_where_shrinking_takes_most_the_closest_motion_keeps_the_information():
     explored = run_start(run.task)
     raised = explored.begin * 1.01
     shrunk, share = run.feasible(raised)
-    closest, kept = run.feasible(closest_inside(run.program, case, run.family, raised, BOUND))
+    closest, kept = run.feasible(closest_inside(run.program, case, run.family, raised, BOUND).unknowns)
     size = run.program.size
     assert share < 0.8
     assert kept > 1.0 - SLIPPED
     assert np.exp((run.rate(closest) - run.rate(raised)) / size) > 0.95
     assert np.exp((run.rate(shrunk) - run.rate(raised)) / size) < 0.8
     assert explored.record.logdet > run.rate(explored.begin) - 0.05 * size
+
+
+def test_bodies_that_are_nearer_than_rows_see_are_kept_further_apart_alone():
+    """The proof measures hulls, rows capsules around them: 3 mm that it alone sees lower the bound of one pair."""
+    case = load_case(ROBOTS / "irb120").within_margin()
+    run = running(case, SplineFamily.of(case, 20, 2.0))
+    program, unknowns = run.program, run.family.start(np.random.default_rng(3), run.program.worst)
+    motion = run.family.motion(unknowns)
+    report = prove(motion, case, QUICK_RATE)
+    named = [kernel for kernel in program.limits if kernel.name]
+    assert named
+    assert _nearer_than_rows(program, motion, report) == {}
+    name = named[0].name
+    (check,) = (c for c in report.checks if c.of == Limit.named(name.partition(" (")[0]))
+    worse = replace(check, place=name.partition("(")[2].removesuffix(")"), worst=-3.0, ratio=1.01, time=0.7)
+    bounds = _nearer_than_rows(program, motion, LimitReport((*report.checks, worse)))
+    assert [*bounds] == [name]
+    at = motion.at(np.array([0.7]))
+    state = np.hstack([at.coordinates, at.rates, at.accelerations, np.zeros((1, 1))])
+    assert bounds[name] == pytest.approx(float(named[0].values(state)[0, 0]) * np.exp(-(0.003 + APART) / VICINITY))
+    lowered = program.bounded(bounds)
+    changed = [
+        k for k, (a, b) in enumerate(zip(program.rows, lowered.rows, strict=True)) if not np.all(a.bound == b.bound)
+    ]
+    assert changed == [len(program.rows) - len(program.limits) + program.limits.index(named[0])]
