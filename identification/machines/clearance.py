@@ -18,13 +18,12 @@ from cases.base.units import Array
 from cases.chain import Chain
 from cases.machine import Tool
 from identification.limits.limit import Limit, LimitKind
-from identification.machines.machine import Share
+from identification.machines.machine import VICINITY, Share
 
 ROUNDING = 0.003  # [m] by about which corners of boxes are rounded
 MOST_BALLS = 20  # largest number of balls of a body
 BALL_ROUNDING = 0.001  # [m] by about which least distances of bodies are rounded
 BALL_CLEARANCE = 0.01  # [m] the same between two balls; less where the middle of the box is nearer
-VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the travel of motions
 
 
 def distance_from_box(point: ca.SX, corners: Array, rounding: float) -> ca.SX:

@@ -17,8 +17,8 @@ from cases.base.units import DEG, MM, Array, Flags, Indices
 from cases.schema import Case
 from identification.limits.limit import LimitKind
 from identification.machines.casadi_batch import over_samples
-from identification.machines.clearance import ROUNDING, VICINITY, distance_from_box
-from identification.machines.machine import FrameMotion, Kinematics, Share
+from identification.machines.clearance import ROUNDING, distance_from_box
+from identification.machines.machine import VICINITY, FrameMotion, Kinematics, Share
 from identification.machines.rotations import pose_rates, rotation, rpy, twist, twist_rate
 
 # Forward kinematics stops when the struts agree to a thousandth of a nanometre: far below any encoder, far above
@@ -69,6 +69,11 @@ class Hexapod:
     def frame(self, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of {P} in {B} from the pose and its derivatives, (37) and (38)."""
         return pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations)
+
+    @property
+    def named_distances(self) -> list[str]:
+        """None."""
+        return []
 
     def shares(self, case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Limits of struts, joints, singularities and boxes."""

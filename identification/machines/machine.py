@@ -20,6 +20,7 @@ FrameMotion = tuple[ca.SX, ca.SX, ca.SX, ca.SX]
 """Motion of the frame {P} of the load in {B}: position of its origin [m], R, twist [m/s, rad/s] and twist rate."""
 
 
+VICINITY = 0.25  # [m] in which the share of a named distance falls by a factor of e: as far as motions travel
 Share = tuple[LimitKind, int, ca.SX]
 """A limit beside those of the coordinates: its kind, the order of the derivative with which it grows (0 coordinates,
 1 rates, 2 accelerations), and the shares that are used; it is satisfied between -1 and 1."""
@@ -55,6 +56,11 @@ class Machine(Protocol):
 
     def frame(self, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX, /) -> FrameMotion:
         """Motion of the load's frame from coordinates and their derivatives, shapes (n,)."""
+
+    @property
+    def named_distances(self) -> list[str]:
+        """Names, as a proof gives them, of the first `shares`: distances with a name of their own."""
+        ...
 
     def shares(self, case: Case, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX, /) -> list[Share]:
         """Limits of the case beside those of the coordinates, for the search; the proof has its own."""

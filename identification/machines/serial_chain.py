@@ -22,7 +22,7 @@ from cases.sensors import RigidBody
 from identification.limits.limit import LimitKind
 from identification.limits.sensor_loads import SHARE
 from identification.machines.casadi_batch import over_samples
-from identification.machines.clearance import clearance_shares
+from identification.machines.clearance import clearance_names, clearance_shares
 from identification.machines.machine import FrameMotion, Kinematics, Share
 
 UPRIGHT = 1e-8  # cosine of a pitch below which only rounding separates roll and yaw
@@ -68,6 +68,11 @@ class SerialChain:
         """Origin and R in {B} of the moved frame of each joint, then of {P}."""
         still = ca.SX(self.count, 1)
         return [(frame.p, frame.turn) for frame in self._links(q, still, still)]
+
+    @property
+    def named_distances(self) -> list[str]:
+        """Names of the clearances."""
+        return clearance_names(self.chain)
 
     def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""

@@ -15,7 +15,6 @@ from cases.schema import Case
 from identification.estimation.criteria import box_middle
 from identification.limits.limit import LimitKind
 from identification.limits.sensor_loads import SHARE
-from identification.machines.clearance import clearance_names
 from identification.machines.of_case import machine_of
 from identification.model.model import Model, identification_model
 from identification.model.parameters import nominal_parameters
@@ -112,8 +111,8 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> Limits:
         *machine_of(case).shares(case, *motion),
         *((LimitKind.SENSOR_FORCE, 2, f) for f in _sensor_forces(case, loads, *motion)),
     ]
-    names = [] if case.chain is None else clearance_names(case.chain)  # those of the first
-    names += [""] * (len(groups) - len(names))
+    names = machine_of(case).named_distances  # those of the first
+    names = names + [""] * (len(groups) - len(names))
     return tuple(
         (kind, order, Kernel(state, share, name)) for (kind, order, share), name in zip(groups, names, strict=True)
     )

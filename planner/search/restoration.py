@@ -17,7 +17,7 @@ from cases.base.units import Array, Indices
 from cases.schema import Case
 from identification.limits.limit import UNUSED_SHARE, LimitReport
 from identification.limits.proof import prove
-from identification.machines.clearance import VICINITY
+from identification.machines.machine import VICINITY
 from identification.motion.motion import Trajectory
 from planner.families.family import Family
 from planner.families.rows import PacedRows, StateRows

@@ -11,7 +11,8 @@ from cases.chain import Chain
 from cases.machine import Frame, KeepOut, Tool
 from identification.limits.chain import body_clearances, chain_frames
 from identification.machines.casadi_batch import over_samples
-from identification.machines.clearance import VICINITY, clearance_names, clearance_shares
+from identification.machines.clearance import clearance_names, clearance_shares
+from identification.machines.machine import VICINITY
 from identification.machines.serial_chain import SerialChain
 from identification.motion.motion import Motion
 from tests.cases.base.test_convex import geometry

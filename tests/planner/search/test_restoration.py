@@ -11,7 +11,7 @@ from cases.schema import Case, load_case
 from identification.estimation.criteria import Criterion
 from identification.limits.limit import UNUSED_SHARE, Limit, LimitReport
 from identification.limits.proof import prove
-from identification.machines.clearance import VICINITY
+from identification.machines.machine import VICINITY
 from identification.model.model import full_model
 from planner.families.family import Family
 from planner.families.fourier import FourierFamily
