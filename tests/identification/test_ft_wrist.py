@@ -108,7 +108,7 @@ def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -
     assert -6.5e-3 < estimate.delay.value < -5.2e-3
     mass = estimate.physical["m"]
     assert abs(mass.value - 0.932) < 1.96 * mass.reported
-    assert mass.reported < 0.014  # it is off by 4 to 10 g
+    assert mass.reported < 0.015  # it is off by 4 to 10 g
 
 
 def test_a_gap_of_half_a_step_between_evaluated_samples_leaves_no_place_twice() -> None:
