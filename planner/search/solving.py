@@ -17,6 +17,7 @@ from cases.base.units import Array
 from cases.schema import Case
 from identification.estimation.criteria import Criterion, reference_scaling, singular_values
 from identification.limits.limit import UNUSED_SHARE
+from identification.machines.of_case import machine_of
 from identification.model.model import Model, identification_model
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
@@ -348,7 +349,7 @@ class _Run:
     def rate_of_checks(self) -> float:
         """Rate at which motions are shrunk [1/s]."""
         # Bodies are looked at with the way that they go until half way to the next instant, which is long at few.
-        apart = self.case.chain is not None and self.case.chain.has_bodies
+        apart = machine_of(self.case).named_distances != []
         return QUICK_RATE if self.task.refine or apart else COARSE_RATE
 
     def feasible(self, unknowns: Array) -> tuple[Array, float]:
