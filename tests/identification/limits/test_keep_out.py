@@ -11,8 +11,9 @@ from cases.schema import Case, load_case
 from identification.limits.hexapod import distance_of_points, distance_of_segments, distances, guarded
 from identification.limits.limit import LimitReport
 from identification.limits.proof import prove
-from identification.machines.clearance import ROUNDING, VICINITY
+from identification.machines.clearance import ROUNDING
 from identification.machines.hexapod import CLEARANCE
+from identification.machines.machine import VICINITY
 from identification.motion.motion import Standstill
 from identification.motion.moves import StraightMove
 from planner.poses.space import valid_poses
