@@ -350,12 +350,12 @@ class StrutLengths(Part):
 
     @model_validator(mode="after")
     def _has_length(self) -> Self:
-        if self.strut_length_mm[0] < 0.0:
+        if self.strut_length_mm[1] <= 0.0:  # a lower end below 0 is no limit
             raise ValueError(
                 phrase(
                     "no_length",
-                    "strut_length_mm begins at {least} mm; give lengths from joint centre to joint centre",
-                    least=f"{self.strut_length_mm[0]:g}",
+                    "strut_length_mm ends at {most} mm; give lengths from joint centre to joint centre",
+                    most=f"{self.strut_length_mm[1]:g}",
                 ).about("strut_length_mm")
             )
         return self

@@ -167,7 +167,7 @@ WRONG = {
     "tcp_without_flange": "tcp liegt im Flansch, der nicht angegeben ist; flange = {{ origin_mm = [0.0, 0.0, 0.0] }} "
     "ergänzen",
     "not_spanning": "{problem} (Kondition {condition}, höchstens {most}); {remedy}",
-    "no_length": "strut_length_mm beginnt bei {least} mm; Längen von Gelenkmitte zu Gelenkmitte angeben",
+    "no_length": "strut_length_mm endet bei {most} mm; Längen von Gelenkmitte zu Gelenkmitte angeben",
     "points_or_ring": "points_mm (sechs [x, y, z]) oder ring angeben, nicht beides oder keines",
     "box_no_side": "{name} hat kein x_mm, y_mm oder z_mm; wenigstens eine Seite angeben, sonst darf sich nichts "
     "bewegen",

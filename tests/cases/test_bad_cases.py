@@ -50,7 +50,8 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     ),
     "beyond any machine": ("radius_mm = 700.0", "radius_mm = 1e308", f"{RING}.radius_mm", "less than or equal to 10"),
     "strut without a length": (
-        "strut_length_mm = [650.0", "strut_length_mm = [-650.0", "workspace", "strut_length_mm begins at -650 mm"
+        "strut_length_mm = [650.0, 1550.0]", "strut_length_mm = [-1550.0, -650.0]", "workspace",
+        "strut_length_mm ends at -650 mm",
     ),
     "negative radius": ("radius_mm = 700.0", "radius_mm = -7.0", f"{RING}.radius_mm", "-7.0: .*greater than 0"),
     "negative tolerance": (

@@ -123,14 +123,16 @@ def _group(table: ColumnTable, channels: tuple[str, ...]) -> Array | None:
 
 
 def _incomplete(table: ColumnTable, ours: str) -> RecordingError:
-    """The error for a column that is missing beside others."""
+    """The error for a column that is missing beside others; columns that nothing reads, which it may be, come first."""
+    read = {table.form.file_name(each) for each in table.values}
+    there = sorted(table.names, key=read.__contains__)
     return RecordingError(
         place=table.source,
         problem=phrase("column_missing", "column {column} is missing", column=table.form.file_name(ours)),
         remedy=phrase(
             "add_or_map",
             "it has {there}: add it or map its name in [recording.columns] of the case",
-            there=listed(table.names),
+            there=listed(there),
         ),
         code=Code.MISSING,
     )
