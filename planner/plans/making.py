@@ -116,7 +116,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner, began:
         results += more
         if ended_early or late or request.seconds is None or all(isinstance(result, Failed) for result in more):
             break
-    out_of_time = late
+    out_of_time = late or (request.seconds is not None and not more)  # none of a last round had time to end
     starts = sorted(without_failures(results), key=lambda s: -s.record.criterion_value)
     failed = tuple(r for r in results if isinstance(r, Failed))
     if not starts:

@@ -169,7 +169,7 @@ def search_notes(planned: PlannedMotion, request: Request, parameters: int) -> t
     values = [s.record.criterion_value for s in planned.starts if s.record.refined]
     if request.criterion != Criterion.D or request.starts is not None or planned.interrupted or len(values) < 2:
         return ()
-    loss = -math.expm1((values[1] - values[0]) / parameters)
+    loss = -math.expm1(min(values[1] - values[0], 0.0) / parameters)
     best = phrase(
         "best_of_starts",
         "the best of {count} starts, the next one has {loss} % less information: more starts gain little",

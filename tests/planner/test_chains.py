@@ -244,7 +244,7 @@ def test_standing_outside_a_joints_end_is_reported():
 def test_the_demo_of_the_robot_is_right_within_its_deviations(tmp_path: Path):
     done = demo(load_case("ur10_wrist"), tmp_path / "demo", "virtual")
     assert done.worst < 4.0
-    assert (tmp_path / "demo" / "excitation.script").is_file()
+    assert (tmp_path / "demo" / "excitation.csv").is_file()  # set points, for the virtual controller
 
 
 def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):

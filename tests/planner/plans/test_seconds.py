@@ -128,7 +128,7 @@ def test_more_time_finds_more_than_its_beginning(hexapod_case: Case):
     request = Request(PointToPoint(moves=8), 2.0, model=0, seconds=4.0)
     began = time.monotonic()
     found = search(request, hexapod_case, silent, run_here)
-    assert request.seconds / 2 <= time.monotonic() - began < request.seconds + LONG
+    assert request.seconds / 3 <= time.monotonic() - began < request.seconds + LONG  # it begins nothing that cannot end
     assert found.out_of_time
     seeds = [start.record.seed for start in found.starts if start.record.refined]
     assert len(set(seeds)) == len(seeds)
