@@ -98,4 +98,6 @@ def excitation_program(trajectory: Trajectory, case: Case, speed: float = 1.0, b
         before, after = (Standstill(pose, controller.settle_s) for pose in (first, last))
         blocks += [before, Trigger(True), *excitation, Trigger(False), after]
     straight("return", last, home)
+    if isinstance(blocks[-1], Trigger):  # the last pose is home: some controllers switch with what follows
+        blocks.append(Standstill(last, controller.settle_s))
     return tuple(blocks)

@@ -107,7 +107,7 @@ def _read_back(
 
 LONGER = 0.01  # share of its duration by which an excitation may last longer, so that its own points keep limits
 INSIDE = 1e-5  # share of a limit that is left then
-TRIES = 3
+TRIES = 3  # for at another speed a controller has other points
 ORDERS = {
     LimitKind.VELOCITY: 1, LimitKind.STRUT_VELOCITY: 1, LimitKind.ACCELERATION: 2, LimitKind.STRUT_ACCELERATION: 2,
     LimitKind.JERK: 3,
@@ -134,7 +134,7 @@ def _slowed(first: _ReadBack, read_back: Callable[[float], _ReadBack]) -> tuple[
         if share * (1.0 + LONGER) < 1.0:
             return first, ()
         made = read_back(share)
-        longer = made.proof.excitation / first.proof.excitation - 1.0  # controllers round to cycles of theirs
+        longer = _duration(made) / _duration(first) - 1.0  # controllers round to cycles of theirs
         if longer > LONGER:
             return first, ()
         if not made.proof.violations:
@@ -143,12 +143,17 @@ def _slowed(first: _ReadBack, read_back: Callable[[float], _ReadBack]) -> tuple[
                 "slowed_for_points",
                 "{share} % slower than planned: at the plan's speed its points would take {limit} to {ratio} % of its "
                 "limit",
-                share=f"{100.0 * longer:.2g}",
+                share=f"{100.0 * max(longer, 1.0 / share - 1.0):.2g}",
                 limit=phrase(NAMED, "{name}", name=worst.name),
                 ratio=f"{100.0 * worst.ratio:.2f}",
             )
             return made, (remark,)
     return first, ()
+
+
+def _duration(made: _ReadBack) -> float:
+    """Duration of what may last longer [s]: of the excitation; of standing poses, of the whole program."""
+    return made.proof.excitation or made.proof.duration
 
 
 def _without_nothing(program: Blocks, resolution: float, case: Case) -> Blocks:

@@ -22,22 +22,19 @@ from planner.plans.plan import Plan
 from planner.plans.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST, Request
 from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
-from planner.search.parallel import (
-    Listener,
-    Runner,
-    first_ctrl_c,
-    run_here,
-    workers,
-)
+from planner.search.parallel import Listener, Runner, first_ctrl_c, run_here, workers
 from planner.search.record import Failed
 from planner.search.rounds import Rounds, without_failures
 from planner.search.solving import QUICK_RATE, Start, limited_as_searched
 
 ENDING = 3.0  # [s] at the end of a search of some seconds for proof, figures and page, but half of it at most
-OF_THE_WAY = 0.5  # share to which moves by a controller's law are shrunk, at least: shorter ones are as hard
-PEAKS = (
-    4e-3  # share of what struts and sensors bear that peaks of moves by a controller's law may have between instants
-)
+HARDLY_MOVING = 0.05  # share of their ways to which moves by a controller's law are shrunk: shorter ones are no plan
+PEAKS = 4e-3  # share of what struts and sensors bear, for peaks of moves by a controller's law between instants
+BORNE = (
+    LimitKind.STRUT_ACCELERATION, LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT, LimitKind.JOINT_FORCE,
+    LimitKind.JOINT_TORQUE,
+)  # fmt: skip
+"""Limits of what accelerations do, which a shorter move does not lower where it accelerates as hard."""
 BETWEEN = 1e-5  # share of a limit that may be used between the instants at which a refined motion was checked
 
 
@@ -150,17 +147,18 @@ def _proven(start: Start, searched: Case, case: Case, step_time: float) -> tuple
         step_time: within which accelerations step, 0 where jerks are limited [s].
 
     Raises:
-        InfeasiblePlan: a controller that times moves itself would exceed a limit in any motion of their kind.
+        InfeasiblePlan: it exceeds a limit even where hardly anything moves, as where a controller that times moves
+            itself accelerates as hard in shorter ones.
     """
     family, unknowns = start.family, start.unknowns
     by_law = isinstance(family, PointToPointFamily) and family.own_law
     if by_law:
         family = family.refined(unknowns)  # an exploration may be slower than the law
-    whole, share = family.motion(unknowns), 1.0
+    whole, share, none = family.motion(unknowns), 1.0, None
     try:
         if (
             not start.record.refined
-        ):  # it was checked at few instants: at more of them first, at those of the proof then
+        ):  # it was checked at few instants: at more of them first, then at those of the proof
             quick = limited_as_searched(searched, family)
             quick = quick.with_reserve(PEAKS) if by_law else quick
             unknowns, share = keep_limits(quick, family, unknowns, QUICK_RATE)
@@ -170,25 +168,26 @@ def _proven(start: Start, searched: Case, case: Case, step_time: float) -> tuple
             unknowns, more = keep_limits(searched, family, unknowns, PROOF_RATE)
             motion, share = family.motion(unknowns), share * more
             report = with_steps(prove(motion, case), step_time)
-    except InfeasiblePlan:
-        if not by_law:
-            raise
-        share = 0.0
-    if by_law and share < OF_THE_WAY:
+    except InfeasiblePlan as error:
+        none = error
+    if by_law and (none is not None or share < HARDLY_MOVING):
         worst = max(prove(whole, searched).checks, key=lambda check: check.ratio)
-        raise InfeasiblePlan(
-            problem=phrase(
-                "accelerates_as_hard",
-                "no feasible motion: {limit}, for the controller accelerates as hard as it is set up in every move",
-                limit=worst.sentence(),
-            ),
-            remedy=phrase(
-                "lower_or_path",
-                "lower the accelerations of limits.motion and of the controller's set-up, search for longer, or plan a "
-                "path (spline, Fourier series)",
-            ),
-            code=Code.INFEASIBLE,
-        )
+        if worst.kind in BORNE:
+            raise InfeasiblePlan(
+                problem=phrase(
+                    "accelerates_as_hard",
+                    "no feasible motion: {limit}, for the controller accelerates as hard as it is set up in every move",
+                    limit=worst.sentence(),
+                ),
+                remedy=phrase(
+                    "lower_or_path",
+                    "lower the accelerations of limits.motion and of the controller's set-up, search for longer, or "
+                    "plan a path (spline, Fourier series)",
+                ),
+                code=Code.INFEASIBLE,
+            )
+    if none is not None:
+        raise none
     return motion, report
 
 

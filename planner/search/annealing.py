@@ -43,9 +43,8 @@ POSE_REACHED = 0.995  # share of a limit of poses that walks may use
 
 def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: ca.SX) -> ca.SX:
     """Regressors at the middle of acceleration and deceleration, so that the mean square of accelerations is exact."""
-    square = (4 / 3 * times[0] + 2 * times[1]) / (
-        4 * times[0] + 2 * times[1] + times[2]
-    )  # mean of the squared acceleration
+    duration = 4 * times[0] + 2 * times[1] + times[2]
+    square = (4 / 3 * times[0] + 2 * times[1]) / duration  # mean of the squared acceleration
     rows = []
     for phase in (1, 5):
         pose, rates, accelerations = state_of_move(ends[0], ends[1], times, (phase, 0.5))

@@ -13,7 +13,7 @@ from cases.schema import Case
 from identification.limits.limit import LimitKind
 from identification.limits.proof import prove
 from identification.motion.curves import FourierMotion, PolynomialMotion
-from identification.motion.motion import Trajectory
+from identification.motion.motion import Joined, Standstill, Trajectory
 from identification.motion.moves import StraightMove, unit_profile
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import TimedPath
@@ -74,6 +74,27 @@ def test_points_that_just_exceed_a_limit_are_passed_by_so_much_slower(file: str,
     assert tells(program.text, "% slower than planned")
     with pytest.raises(NotProven, match=r"jerk \(z\) reaches .*104"):
         proven_program(up_and_down(hexapod_case, 1.04), hexapod_case, language, file, (), 1.0, ACCEPTED)
+
+
+@pytest.mark.parametrize("file", ["p.nc", "p.csv"])
+def test_the_same_between_measurements_at_standing_poses(file: str, hexapod_case: Case):
+    """Whose program has no excitation: the trigger is on where the machine stands."""
+    stay = Standstill(hexapod_case.machine.home.vector, 0.5, 0.5)
+    motion = Joined((stay, up_and_down(hexapod_case, 1.006), stay))
+    program = proven_program(motion, hexapod_case, dialect_of_file(file), file, (), 1.0, (*ACCEPTED, "velocity"))
+    assert program.proof.ok
+    [remark] = program.remarks
+    assert tells(remark, "0.2", "% slower", "jerk (z)")
+
+
+@pytest.mark.parametrize("file", ["p.nc", "p.mpf", "p.ngc", "p.csv"])
+def test_poses_may_end_at_home(file: str, hexapod_case: Case):
+    """Where no way back follows the trigger of the last measurement."""
+    home = hexapod_case.machine.home.vector
+    stay, away = Standstill(home, 0.5, 0.5), up_and_down(hexapod_case, 0.5)
+    program = proven_program(Joined((stay, away, stay)), hexapod_case, dialect_of_file(file), file, (), 1.0, ACCEPTED)
+    assert program.proof.ok
+    assert not program.reading.left_on
 
 
 def test_a_motion_that_breaks_a_limit_is_not_written_and_the_limit_is_named(motion: FourierMotion, hexapod_case: Case):
